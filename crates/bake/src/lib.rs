@@ -29,21 +29,22 @@
 //! * What is left out of a bake, with the reason that is printed: `plan`.
 //! * What lies under a texel: `survey`; what a sample stands on: `survey/cells.rs`; which part of it is sampled:
 //!   `survey/seen.rs`.
-//! * How rays become terms: `integrate/mod.rs`, sixteen at a time in `integrate/gang`. There `gloss.rs` has
-//!   microfacets, `moments.rs` layers for any view and `directional.rs` light by direction, which `page/directional.rs`
-//!   carries through the last steps.
+//! * How rays become terms: `integrate/mod.rs`, sixteen at a time in `integrate/gang`. There `aim.rs` says where they
+//!   start and go, `gloss.rs` has microfacets, `moments.rs` layers for any view and `directional.rs` light by direction,
+//!   which `page/directional.rs` carries through the last steps.
 //! * Where rays go: `integrate/lobe.rs` says how many a highlight takes, `integrate/guides.rs` where those of dark
 //!   surfaces go, `page/spend.rs` where those of a target go.
 //! * The standard error: `integrate/estimate.rs`; what neighbours share: `integrate/pool.rs`.
 //! * Light that bounces: `bounce`, with what a surface sends in `radiosity.rs`, what a texel receives in `gather.rs`
 //!   and where its rays are aimed in `spots.rs`.
 //! * Buried texels are filled in `mend`; those that look-ups beside a contact read, in its `contact.rs`.
-//! * The denoiser: `denoise`, with the fits in `fit.rs`, local sums in `plane.rs`, what a chart is fitted together with
+//! * The denoiser: `denoise`, with the fits in `fit`, local sums in `plane.rs`, what a chart is fitted together with
 //!   in `beyond.rs`, what a texel takes of the fits in `choose.rs` and the error that it states in `stated.rs`. What is
 //!   taken out before: `strays.rs`, `lines.rs`.
 //! * Which charts are one surface, and how their seams are solved: `seams`; between pages `across.rs`, where a wall
 //!   ends them `walls.rs`.
-//! * Layers from facts: `page/compose.rs`. Tiles of a shard: `page/share.rs`. What an update may keep: `reach`.
+//! * Layers from facts: `page/compose.rs`. What becomes of a tile: `page/integrated.rs`. Tiles of a shard: `page/share.rs`.
+//!   What an update may keep: `reach`.
 #![forbid(unsafe_code)]
 
 mod bounce;

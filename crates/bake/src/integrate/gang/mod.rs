@@ -9,7 +9,9 @@
     reason = "a lane is one index into many arrays"
 )]
 
+mod aim;
 mod borders;
+mod collect;
 mod directional;
 mod gloss;
 mod lane_sums;
@@ -19,16 +21,15 @@ mod step;
 mod surfaces;
 
 use super::lobe::Lobe;
-use super::sums::{REPLICATES, Replicates, Technique, Weights};
+use super::sums::Technique;
 use super::task::{Joint, Task};
-use crate::options::{Model, Shading, View};
+use crate::options::Model;
 use crate::survey::Texel;
-use ambient::sampling::{self, Counts, Guide, LANES, PointSet, Streams, Wide};
+use ambient::sampling::{Counts, Guide, LANES, PointSet, Streams, Wide};
 use atlas::TILE;
 use borders::Borders;
 pub(crate) use directional::DirectionSums;
 use directional::LaneDirections;
-use glam::DVec3;
 use gloss::LaneGloss;
 use lane_sums::LaneSums;
 use light::{Lobes, add_map_light};
@@ -38,8 +39,7 @@ use pulp::{Simd, WithSimd};
 use rays::{Coherence, RayPacket};
 use std::ops::Range;
 use std::rc::Rc;
-use step::{Drawn, Kernel, Step};
-use surfaces::{Frames, LaneSurfaces, mirrored};
+use surfaces::{Frames, LaneSurfaces};
 
 /// One lane: a texel of the tile and one of its replicates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -359,177 +359,6 @@ impl<'a> Gang<'a> {
             let view = self.frames.views_of(task.view, &self.packet.origin);
             let share = &self.lobe_share;
             gloss.add(&step, active & !blocked, [normal, &view], share);
-        }
-    }
-
-    /// Moves a lane to another cell of its texel.
-    #[inline(always)]
-    fn walk(&mut self, lane: usize, to: u32) {
-        let cells = &self.texels[self.lanes[lane].texel].cells;
-        let [old, new] = [self.cell[lane], to].map(|number| cells.cell(number as usize));
-        self.cell[lane] = to;
-        self.surfaces.set_position([lane], cells, to as usize);
-        if !new.shades_like(old) {
-            self.surfaces.set_normal([lane], new);
-            self.stale = true;
-        }
-    }
-
-    /// Fills the packet with the rays of one point of every lane.
-    #[inline(always)]
-    fn step(
-        &mut self,
-        task: &Task<'_>,
-        technique: Technique,
-        [u0, u1]: [&Wide; 2],
-        at: &[Wide; 2],
-    ) -> Step {
-        if self.stale {
-            self.frames = Frames::about(self.surfaces.normals(at));
-            self.stale = self.surfaces.smooth != 0;
-        }
-        let normal = &self.frames.normal;
-        self.surfaces.origins(at, &mut self.packet.origin);
-        let (directions, weights, drawn) = match technique {
-            Technique::Hemisphere => {
-                let (local, weights) = task.mixture.sample16(u0, u1);
-                (self.frames.to_world(&local), weights, Drawn::Hemisphere)
-            }
-            Technique::Lobe => match &self.gloss {
-                Some(gloss) => self.glossy(task, gloss, [u0, u1]),
-                None => self.lobe(task, [u0, u1]),
-            },
-            Technique::Sky => {
-                let Some(sky) = task.sky.map() else {
-                    unreachable!("a uniform sky has no directions to draw");
-                };
-                let (directions, texels) = sky.sample16(u0, u1);
-                let axes = match (&self.gloss, task.view) {
-                    (Some(_), view) => self.frames.views_of(view, &self.packet.origin),
-                    (None, View::Normal) => *normal,
-                    (None, View::Eye(eye)) => mirrored(normal, &self.packet.origin, eye),
-                };
-                let drawn = Drawn::Sky(texels, axes);
-                (directions, [[0.0; LANES]; 2], drawn)
-            }
-        };
-        let geometric = &self.surfaces.geometric;
-        let folds = task.shading == Shading::Production;
-        let mut above = 0;
-        for l in 0..LANES {
-            let dot = |a: &[Wide; 3]| {
-                a[0][l] * directions[0][l] + a[1][l] * directions[1][l] + a[2][l] * directions[2][l]
-            };
-            let (height, cosine) = (dot(geometric), dot(normal));
-            let is_folded = folds & (height < 0.0);
-            above |= u32::from((is_folded | (height > 0.0)) & (cosine > 0.0)) << l;
-            // What the direction counts and whence its light comes stays its own; only its ray leaves on the side of
-            // its image.
-            let twice = if is_folded { 2.0 * height } else { 0.0 };
-            for a in 0..3 {
-                self.packet.direction[a][l] = directions[a][l] - twice * geometric[a][l];
-            }
-        }
-        Step {
-            directions,
-            weights,
-            above,
-            drawn,
-        }
-    }
-
-    /// Directions of Phong's lobes.
-    #[inline(always)]
-    fn lobe(&self, task: &Task<'_>, [u0, u1]: [&Wide; 2]) -> ([Wide; 3], [Wide; 2], Drawn) {
-        let local = sampling::Lobe::sample16(&self.lobe_scale, u0, u1);
-        let directions = match task.view {
-            View::Normal => self.frames.to_world(&local),
-            View::Eye(eye) => {
-                let axes = mirrored(&self.frames.normal, &self.packet.origin, eye);
-                Frames::about(axes).to_world(&local)
-            }
-        };
-        let mut kernel = Kernel::default();
-        if task.sky.map().is_some() {
-            // u0 = cos^(n + 1), so cos^n = u0 / cos.
-            for l in 0..LANES {
-                let scale = self.lobe_scale[l] * std::f32::consts::TAU;
-                let density = u0[l] / (scale * local[2][l].max(f32::MIN_POSITIVE));
-                kernel.density[l] = self.lobe_share[l] * density;
-                kernel.plain[l] = 1.0;
-            }
-        }
-        let weights = [[1.0; LANES], [0.0; LANES]];
-        (directions, weights, Drawn::Lobe(kernel))
-    }
-
-    /// Directions of the lobes of GGX.
-    #[inline(always)]
-    fn glossy(
-        &self,
-        task: &Task<'_>,
-        gloss: &LaneGloss,
-        u: [&Wide; 2],
-    ) -> ([Wide; 3], [Wide; 2], Drawn) {
-        let view = self.frames.views_of(task.view, &self.packet.origin);
-        let (mixture, share) = (&task.mixture, &self.lobe_share);
-        let mut drawn = gloss.draw((&self.frames, &view), u, mixture, share);
-        let mut sent = self.guided;
-        while sent != 0 {
-            let l = sent.trailing_zeros() as usize;
-            sent &= sent - 1;
-            if let Some(guide) = &self.sent[self.lanes[l].texel] {
-                let normal = self.frames.normal.map(|axis| f64::from(axis[l]));
-                let by = (mixture, &**guide);
-                gloss.guided(&mut drawn, (l, share[l]), DVec3::from(normal), by);
-            }
-        }
-        let mut kernel = Kernel::default();
-        if task.sky.map().is_some() {
-            for l in 0..LANES {
-                kernel.density[l] = share[l] * drawn.lobes.density[l];
-                kernel.plain[l] = drawn.lobes.weight[l];
-                kernel.white[l] = drawn.lobes.weight[l] * drawn.lobes.fresnel[l];
-            }
-        }
-        (drawn.directions, drawn.weights, Drawn::Lobe(kernel))
-    }
-
-    /// Adds what the lanes have gathered to their texels' replicates.
-    pub fn collect(&self, technique: Technique, sums: &mut [Replicates]) {
-        for (l, lane) in self.lanes.iter().enumerate() {
-            let mut own = self.sums.of_lane(technique, l, self.points);
-            let gloss = self
-                .gloss
-                .as_ref()
-                .filter(|_| technique == Technique::Hemisphere);
-            if let Some([open, all]) = gloss.and_then(|gloss| gloss.of_lane(l)) {
-                own.lobe = [0, 1].map(|k: usize| Weights {
-                    open: open[k],
-                    all: all[k],
-                });
-            }
-            sums[lane.texel][lane.replicate] += own;
-        }
-    }
-
-    /// Adds the harmonics that the lanes have gathered to their texels' replicates.
-    pub fn collect_moments(&self, replicates: &mut [[Moments; REPLICATES as usize]]) {
-        let Some(moments) = &self.moments else {
-            return;
-        };
-        for (l, lane) in self.lanes.iter().enumerate() {
-            moments.collect(l, self.points, &mut replicates[lane.texel][lane.replicate]);
-        }
-    }
-
-    /// Adds the directions that the lanes have gathered to their texels' replicates.
-    pub fn collect_directions(&self, replicates: &mut [[DirectionSums; REPLICATES as usize]]) {
-        let Some(directions) = &self.directions else {
-            return;
-        };
-        for (l, lane) in self.lanes.iter().enumerate() {
-            directions.collect(l, &mut replicates[lane.texel][lane.replicate]);
         }
     }
 }
