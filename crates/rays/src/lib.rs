@@ -38,7 +38,7 @@
 //!   them in `depth.rs`, grounds in `ground`, rooms in `rooms.rs`, bodies without a bottom in `shut.rs`, those that look
 //!   inward in `inward.rs` and `wound.rs`, ends of surfaces that nobody sees in `rims.rs` and what thin layers cover in
 //!   `covers.rs`. Whether a point of a triangle lies in it: `buried.rs`.
-//! * Suns, point lights, spots, balls and panels: `light.rs`. Surfaces that shine: `lamps.rs`.
+//! * Suns, point lights, spots, balls and panels: `light`. Surfaces that shine: `lamps.rs`.
 #![forbid(unsafe_code)]
 
 mod alpha_test;

@@ -7,7 +7,7 @@
 //!
 //! # Where what is
 //!
-//! * From a file to its scene: `load.rs`. OBJ: `obj`. glTF: `gltf`, where `conformance.rs` is the table of what is read, `said.rs` knows what
+//! * From a file to its scene: `load.rs`. OBJ: `obj`. glTF: `gltf`, where `conformance` is the table of what is read, `said.rs` knows what
 //!   `extras.ambake` says, `compressed` decodes meshes and
 //!   `lights.rs` has the lights. Scenes made in memory: `authored`, their materials
 //!   `authored/material.rs`.

@@ -5,7 +5,7 @@
 //! the plain JSON and through the checked byte ranges of `accessor.rs`. Positions, indices and the places of nodes must
 //! be sound. All else that is broken is as if it were not there, and told of (`reader.rs`).
 //!
-//! What is read, and what is left out and counted as a warning, is the table of `conformance.rs`.
+//! What is read, and what is left out and counted as a warning, is the table of `conformance`.
 
 mod accessor;
 #[cfg(any(feature = "draco", feature = "meshopt"))]
@@ -14,6 +14,7 @@ pub mod conformance;
 mod container;
 mod document;
 mod elements;
+mod images;
 mod lights;
 mod materials;
 mod nodes;
