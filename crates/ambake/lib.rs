@@ -76,14 +76,14 @@
 //!
 //! For those who change the library:
 //!
-//! * From a file to its scene: `load.rs`. What is asked for: `bake.rs` and `options`, its flags `flags`, their words `words.rs`. A bake between plan and result: `job.rs`, `run.rs` and `run_into.rs`, what it
+//! * From a file to its scene: `load.rs`. What is asked for: `bake` and `options`, its flags `flags`, their words `words.rs`. A bake between plan and result: `job.rs`, `run.rs` and `run_into.rs`, what it
 //!   warns of `warnings.rs`. What is written, and which names of an earlier bake go: `write`.
 //! * What a bake will take: `estimate.rs`, its memory `memory.rs`. Whether a scene is an interior: `interior.rs`,
 //!   and what stands around it: `dome.rs`.
 //! * Where objects lie on pages: `object.rs`. Values at vertices: `vertices.rs`.
 //! * What can be seen: `seen.rs` for points of a triangle, `eyes.rs` for one point from places, `shell.rs` for the
 //!   outsides of rooms, `facing.rs` for faces that look the wrong way.
-//! * Saved states: `resume.rs`. Shards: `shard.rs`, `parts.rs` and `merge.rs`. Updates: `update.rs`, their files
+//! * Saved states: `resume`. Shards: `shard.rs`, `parts.rs` and `merge.rs`. Updates: `update.rs`, their files
 //!   `state.rs`. The atlas alone: `layout.rs`,
 //!   its files `layout_files.rs`.
 //! * The picture of the lit scene: `lit.rs`. Probes: `probes`.

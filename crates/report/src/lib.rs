@@ -14,7 +14,7 @@
 //!   CSS and JavaScript beside them.
 //! * `compare`: `compare.rs`, with pictures by `difference.rs`. Files of probes: `probes`. Layouts: `layout.rs` has
 //!   words and warnings, `layout_file.rs` the file.
-//! * Saved tiles and parts: `checkpoint` is the format; `crates/ambake/resume.rs` says what is in it and when.
+//! * Saved tiles and parts: `checkpoint` is the format; `crates/ambake/resume` says what is in it and when.
 //! * Temporary names, and which files of an earlier bake go: `output`. The lock on a folder: `lock.rs`. What may be
 //!   opened in it: `regular.rs`.
 #![forbid(unsafe_code)]
