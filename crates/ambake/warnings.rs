@@ -22,7 +22,9 @@ impl Job {
             let tinted = [Layer::Lambert, Layer::Traditional];
             match warning.kind {
                 ::scene::WarningKind::IgnoredNormalMaps => self.options().normal_maps,
-                ::scene::WarningKind::MissingNormalMaps => !self.options().normal_maps,
+                ::scene::WarningKind::MissingNormalMaps | ::scene::WarningKind::BadTangents => {
+                    !self.options().normal_maps
+                }
                 ::scene::WarningKind::AmbientCoefficients => {
                     let options = self.options();
                     let shown = options.layers.contains(&Layer::Traditional);

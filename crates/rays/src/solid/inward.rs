@@ -10,6 +10,14 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 /// A surface of a placement, or of a shape: their numbers.
 type Key = (u32, u32);
 
+/// How a triangle's normals stand to its winding.
+struct Lean {
+    /// Its area, below 0 where they lean to the other side, all in all.
+    area: f64,
+    /// All three do.
+    is_whole: bool,
+}
+
 impl Solids {
     /// An instance and a triangle of each surface whose faces look inward though it is no room.
     pub fn inside_out(&self) -> Vec<(u32, u32)> {
@@ -92,14 +100,15 @@ impl Solids {
     /// Triangles of each mesh, ascending, whose normals point to the other side than the one that is lit, wherever they
     /// are placed: into bodies that look outward and are no rooms, nor have any of these places in them, but for bodies
     /// that are not simply closed and of which most normals point outward; and away from where all of an open surface
-    /// looks, by its winding and most of its normals.
+    /// looks, by its winding and most of its normals. Where most normals are right, all three of a triangle are wrong:
+    /// the smooth normals of a coarse body lean behind its steepest faces.
     pub fn averse(&self, places: &[DVec3]) -> Vec<(u32, Vec<u32>)> {
-        let mut leans: HashMap<u32, Vec<f64>> = HashMap::new();
+        let mut leans: HashMap<u32, Vec<Lean>> = HashMap::new();
         for instance in &self.scene.instances {
             let mesh = instance.mesh;
             leans.entry(mesh).or_insert_with(|| self.leans(mesh));
         }
-        leans.retain(|_, leans| leans.iter().any(|lean| *lean < 0.0));
+        leans.retain(|_, leans| leans.iter().any(|lean| lean.area < 0.0));
         if leans.is_empty() {
             return Vec::new();
         }
@@ -122,16 +131,17 @@ impl Solids {
             let surfaces = &self.shapes[shape as usize].surface_of[number as usize];
             let mut sums: HashMap<u32, f64> = HashMap::new();
             for (surface, lean) in surfaces.iter().zip(leans) {
-                *sums.entry(*surface).or_default() += lean;
+                *sums.entry(*surface).or_default() += lean.area;
             }
-            let is_averse = |(surface, lean): (&u32, &f64)| {
+            let is_averse = |(surface, lean): (&u32, &Lean)| {
                 let key = (placement, *surface);
                 let is_body = || of_keys.get(&key).is_some_and(|of| is_body(of));
                 let of = &self.shapes[shape as usize].surfaces[*surface as usize];
                 let is_told = sums[surface] < 0.0 || of.volume > 0.0 && !of.is_mixed();
                 let looks_here = of.front.is_some() && sums[surface] > 0.0;
                 let mut is_body = || is_told && *is_known.entry(key).or_insert_with(is_body);
-                *lean < 0.0 && (looks_here || is_body())
+                let is_behind = lean.area < 0.0 && (lean.is_whole || sums[surface] < 0.0);
+                is_behind && (looks_here || is_body())
             };
             let marks = surfaces.iter().zip(leans).map(is_averse).collect();
             Some((instance.mesh, marks))
@@ -139,17 +149,26 @@ impl Solids {
         by_mesh(averse)
     }
 
-    /// By triangle of a mesh its area, below 0 where its normals lean to the other side than its winding.
-    fn leans(&self, mesh: u32) -> Vec<f64> {
+    /// How the normals of a mesh's triangles lean.
+    fn leans(&self, mesh: u32) -> Vec<Lean> {
         let of = &self.scene.meshes[mesh as usize];
         let lean = |triangle: u32| {
             let [a, b, c] = corners(&self.scene, Face::of(mesh, triangle));
             let across = (b - a).cross(c - a);
             let vertices = of.triangles[triangle as usize];
-            let normals = vertices.map(|vertex| of.normals.get(vertex as usize));
-            let side: f32 = normals.into_iter().flatten().map(|n| n.dot(across)).sum();
+            let sides = vertices.map(|vertex| {
+                let normal = of.normals.get(vertex as usize);
+                normal.map_or(0.0, |normal| normal.dot(across))
+            });
             let area = f64::from(across.length());
-            if side < 0.0 { -area } else { area }
+            Lean {
+                area: if sides.iter().sum::<f32>() < 0.0 {
+                    -area
+                } else {
+                    area
+                },
+                is_whole: sides.iter().all(|side| *side < 0.0),
+            }
         };
         (0..of.triangles.len() as u32).map(lean).collect()
     }

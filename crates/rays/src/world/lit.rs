@@ -139,7 +139,9 @@ impl World {
             if is_turned_over || self.is_averse(instance, triangle) {
                 is_reversed = true;
                 normals = normals.map(|normal| -normal);
-            } else if lean < -3.0 * CLEARLY * face.length() {
+            } else if lean < -3.0 * CLEARLY * face.length()
+                && normals.iter().all(|normal| normal.dot(face) < 0.0)
+            {
                 face = -face;
             }
         }
