@@ -81,8 +81,11 @@ pub fn draw(
     let alpha = match behind {
         Behind::Own => Vec::new(),
         _ => {
-            let meets = |sample: &Sample| direct.meets(sample) || on_balls(sample).is_some();
-            alpha(&camera, args.view.samples, &(), meets)?
+            let coverage = |sample: &Sample| match on_balls(sample) {
+                Some(_) => 1.0,
+                None => direct.coverage(sample),
+            };
+            alpha(&camera, args.view.samples, &(), coverage)?
         }
     };
     let described = json!({

@@ -6,13 +6,14 @@ use crate::panes::relative;
 use crate::surface::{Patch, PlaneErrors};
 use crate::world::World;
 use glam::{DVec3, Vec3};
-use scene::Alpha;
+use scene::{Alpha, Material, Scene};
 
 /// Turns hits into surface points.
 #[derive(Debug)]
 pub struct Surfaces<'a> {
     world: &'a World,
     errors: PlaneErrors,
+    panes: bool,
 }
 
 /// A point of a surface as seen from one side.
@@ -39,6 +40,7 @@ impl<'a> Surfaces<'a> {
         Self {
             world,
             errors: PlaneErrors::of(world),
+            panes: has_panes(world.scene()),
         }
     }
 
@@ -88,12 +90,9 @@ impl<'a> Surfaces<'a> {
         scene.materials[mesh.material as usize].emission != Vec3::ZERO
     }
 
-    /// True where the surface of an object lets a share of light pass: no cut-out, which stops or lets through.
-    pub fn is_see_through(&self, instance: u32) -> bool {
-        let scene = self.world.scene();
-        let mesh = &scene.meshes[scene.instances[instance as usize].mesh as usize];
-        let material = &scene.materials[mesh.material as usize];
-        matches!(material.alpha, Alpha::Blend { .. }) || material.transmission.is_some()
+    /// True where a surface of the scene lets a share of light pass: no cut-out, which stops or lets through.
+    pub fn has_panes(&self) -> bool {
+        self.panes
     }
 
     /// The share of the light that the surface stops at a hit, 0..=1.
@@ -114,6 +113,17 @@ impl<'a> Surfaces<'a> {
     pub fn emission(&self, hit: &SurfaceHit) -> DVec3 {
         emission_at(self.world.scene(), hit)
     }
+}
+
+fn has_panes(scene: &Scene) -> bool {
+    let is_pane = |material: &Material| {
+        matches!(material.alpha, Alpha::Blend { .. }) || material.transmission.is_some()
+    };
+    let materials = scene.instances.iter().map(|instance| {
+        let mesh = &scene.meshes[instance.mesh as usize];
+        &scene.materials[mesh.material as usize]
+    });
+    materials.into_iter().any(is_pane)
 }
 
 #[cfg(test)]

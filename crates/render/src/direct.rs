@@ -98,6 +98,42 @@ const FAINTEST: f32 = 1.0 / 1024.0;
 /// Points of a coat where no rays are asked for.
 const LEAST_POINTS: u32 = 64;
 
+/// A surface that a sample shows.
+pub(crate) struct Layer {
+    pub hit: SurfaceHit,
+    /// The share of the sample that it makes up: what the ones before it leave, times what it stops.
+    pub share: f32,
+    /// What the ones before it leave of the channels for their mean.
+    pub tint: Vec3,
+}
+
+impl Layer {
+    /// What its radiance counts in each channel.
+    fn weight(&self) -> DVec3 {
+        f64::from(self.share) * self.tint.as_dvec3()
+    }
+}
+
+/// What a sample shows.
+pub(crate) struct Layers {
+    /// Surfaces, front to back.
+    pub seen: Vec<Layer>,
+    /// The share of the sample that shows what is beyond all surfaces, 0..=1.
+    left: f32,
+    /// What all of them leave of the channels for their mean.
+    tint: Vec3,
+}
+
+impl Layers {
+    fn add(&mut self, hit: SurfaceHit, share: f32) {
+        let tint = self.tint;
+        if share > 0.0 {
+            self.seen.push(Layer { hit, share, tint });
+        }
+        self.left -= share;
+    }
+}
+
 impl<'a> Direct<'a> {
     /// Lambert's model by 64 rays under a white sky, without lights.
     pub fn new(
@@ -125,12 +161,18 @@ impl<'a> Direct<'a> {
 impl Direct<'_> {
     /// The radiance that reaches the eye of a sample.
     pub fn radiance(&self, sample: &Sample) -> DVec3 {
-        let hit = self.hit(sample);
-        let tint = self.tint(&camera_ray(sample), hit.as_ref());
-        let Some(point) = hit.map(|hit| self.point(sample, &hit)) else {
-            return tint * self.behind(sample);
-        };
-        tint * self.leaving(sample, &point)
+        self.through(sample, |hit| self.leaving(sample, &self.point(sample, hit)))
+    }
+
+    /// The radiance that reaches the eye of a sample where the surfaces that it shows send out what `leaving` tells.
+    fn through(&self, sample: &Sample, leaving: impl Fn(&SurfaceHit) -> DVec3) -> DVec3 {
+        let layers = self.layers(sample);
+        let light = |layer: &Layer| layer.weight() * leaving(&layer.hit);
+        let sum: DVec3 = layers.seen.iter().map(light).sum();
+        match layers.left > 0.0 {
+            true => sum + f64::from(layers.left) * layers.tint.as_dvec3() * self.behind(sample),
+            false => sum,
+        }
     }
 
     /// The radiance that a point sends back along a sample.
@@ -148,13 +190,10 @@ impl Direct<'_> {
     /// The same with the ambient model taken from a bake; surfaces without texels are integrated.
     pub fn radiance_baked(&self, sample: &Sample, map: &Lightmap) -> DVec3 {
         let scene = self.surfaces.world().scene();
-        let hit = self.hit(sample);
-        let tint = self.tint(&camera_ray(sample), hit.as_ref());
-        let Some(hit) = hit else {
-            return tint * self.behind(sample);
-        };
-        let (radiance, place) = self.beside_texels(sample, &hit, map.place(scene, &hit));
-        tint * (radiance + place.map_or(DVec3::ZERO, |place| map.at(place)))
+        self.through(sample, |hit| {
+            let (radiance, place) = self.beside_texels(sample, hit, map.place(scene, hit));
+            radiance + place.map_or(DVec3::ZERO, |place| map.at(place))
+        })
     }
 
     /// The radiance of what a sample meets but for what a bake holds, and the place in the bake that holds the rest,
@@ -186,9 +225,9 @@ impl Direct<'_> {
         self.background.unwrap_or_else(sky)
     }
 
-    /// True where a sample shows a surface, not the background.
-    pub fn meets(&self, sample: &Sample) -> bool {
-        self.hit(sample).is_some()
+    /// The share of a sample that shows surfaces, not the background, 0..=1.
+    pub fn coverage(&self, sample: &Sample) -> f32 {
+        1.0 - self.layers(sample).left
     }
 
     /// What panes before the surface that a ray meets, if any, leave of the channels for their mean.
@@ -201,28 +240,32 @@ impl Direct<'_> {
         self.backend.closest(&camera_ray(sample))
     }
 
-    /// The surfaces that a sample shows, front to back, and the share of it that each makes up: what the ones before it
-    /// leave times what it stops; and what those leave of the channels for their mean. Nothing is left to chance. T.
-    /// Porter, T. Duff, "Compositing Digital Images" (1984).
-    pub(crate) fn layers(&self, sample: &Sample) -> Vec<(SurfaceHit, f32, Vec3)> {
+    /// The surfaces that a sample shows, front to back. Nothing is left to chance. T. Porter, T. Duff, "Compositing
+    /// Digital Images" (1984).
+    pub(crate) fn layers(&self, sample: &Sample) -> Layers {
         let mut ray = camera_ray(sample);
         let last = self.backend.closest_that(&ray, Stops::All);
         let end = last.map_or(f32::INFINITY, |hit| hit.t);
-        let (mut layers, mut left, mut tint) = (Vec::new(), 1.0, Vec3::ONE);
-        while left > FAINTEST {
+        let mut layers = Layers {
+            seen: Vec::new(),
+            left: 1.0,
+            tint: Vec3::ONE,
+        };
+        while self.surfaces.has_panes() && layers.left > FAINTEST {
             let next = self.backend.closest_that(&ray, Stops::Any);
             let Some(hit) = next.filter(|hit| hit.t < end) else {
-                layers.extend(last.map(|last| (last, left, tint)));
-                return layers;
+                break;
             };
-            let share = left * self.surfaces.stopped(&hit);
-            layers.push((hit, share, tint));
-            left -= share;
-            tint *= self.surfaces.tint(&hit);
+            layers.add(hit, layers.left * self.surfaces.stopped(&hit));
+            layers.tint *= self.surfaces.tint(&hit);
             ray.t_min = hit.t;
         }
-        if let Some((_, share, _)) = layers.last_mut() {
-            *share += left;
+        if layers.left > FAINTEST {
+            if let Some(last) = last {
+                layers.add(last, layers.left);
+            }
+        } else if let Some(last) = layers.seen.last_mut() {
+            last.share += std::mem::take(&mut layers.left);
         }
         layers
     }

@@ -1,6 +1,6 @@
 //! Direct pictures against answers known on paper.
 
-use crate::fixture::{Sheet, ground, white, world};
+use crate::fixture::{Sheet, ground, see_through, white, world};
 use crate::{Camera, Direct, Lamps, Light, Model, Sample, Weight, picture};
 use ambient::closed_form::phong_open;
 use ambient::ggx::Ggx;
@@ -470,5 +470,26 @@ fn a_small_sun_in_a_map_lights_all_models_with_little_noise() {
             polar.sin() * turn.cos(),
         );
         assert!((seen / 2e4 - 1.0).abs() < 1e-6, "{seen}");
+    }
+}
+
+#[test]
+fn panes_are_laid_over_one_another_in_every_sample() {
+    let sheet = |z: f32| {
+        let corner = Vec3::new(-32.0, -32.0, z);
+        [corner, Vec3::X * 64.0, Vec3::Y * 64.0]
+    };
+    let (world, backend) = see_through(&[-1.0, -2.0, -3.0].map(sheet), 0.5);
+    let surfaces = Surfaces::new(&world);
+    let shader = Direct {
+        background: Some(DVec3::new(0.0, 1.0, 3.0)),
+        ..direct(&surfaces, backend.as_ref(), Model::FacingRatio)
+    };
+    for pixel in 0..64 {
+        let sample = seen(DVec3::ZERO, -DVec3::Z, pixel);
+        // Each stops half of what the ones before it leave and shows a white front; an eighth is what is behind all.
+        let exact = 0.875 + 0.125 * DVec3::new(0.0, 1.0, 3.0);
+        assert_eq!(shader.radiance(&sample), exact);
+        assert_eq!(shader.coverage(&sample), 0.875);
     }
 }

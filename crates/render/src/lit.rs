@@ -1,6 +1,7 @@
 //! The lit scene of a bake whose pages come one after another: what a camera sees is found once, then each page adds
 //! the light of its texels.
 
+use crate::direct::Layer;
 use crate::progress::each;
 use crate::{Camera, Direct, Error, Sample, TexelPlace};
 use environment::Image;
@@ -97,21 +98,10 @@ impl Lit {
         place: impl Fn(&SurfaceHit) -> Option<TexelPlace> + Sync,
     ) -> Result<Lit, Error> {
         let pixels: usize = camera.size.map(|n| n as usize).iter().product();
-        let instances = 0..direct.surfaces.world().scene().instances.len() as u32;
-        let has_glass = instances
-            .into_iter()
-            .any(|instance| direct.surfaces.is_see_through(instance));
         let sample = |grid: u32, pixel: usize, number: u32| {
             let sample = Sample::of(camera, grid, pixel as u32, number);
-            let layers = match has_glass {
-                true => direct.layers(&sample),
-                false => direct
-                    .hit(&sample)
-                    .map(|hit| (hit, 1.0, Vec3::ONE))
-                    .into_iter()
-                    .collect(),
-            };
-            let seen = layers.into_iter().map(|(hit, share, tint)| {
+            let layers = direct.layers(&sample);
+            let seen = layers.seen.into_iter().map(|Layer { hit, share, tint }| {
                 let (radiance, place) = direct.beside_texels(&sample, &hit, place(&hit));
                 let seen = Seen {
                     share,

@@ -9,7 +9,7 @@ use crate::{Camera, Error, Sample};
 use environment::Image;
 use layers::Progress;
 
-/// The share of each pixel's samples that meet the scene, 0..=1, by the samples of [`crate::picture()`].
+/// The share of each pixel that shows the scene, 0..=1: the mean `coverage` of the samples of [`crate::picture()`].
 ///
 /// # Errors
 /// [`Error::Cancelled`].
@@ -17,12 +17,12 @@ pub fn alpha(
     camera: &Camera,
     grid: u32,
     progress: &dyn Progress,
-    meets: impl Fn(&Sample) -> bool + Sync,
+    coverage: impl Fn(&Sample) -> f32 + Sync,
 ) -> Result<Vec<f32>, Error> {
     let [width, height] = camera.size.map(|n| n as usize);
     each(width * height, 0, progress, |pixel| {
         let samples = (0..grid * grid).map(|k| Sample::of(camera, grid, pixel as u32, k));
-        samples.filter(&meets).count() as f32 / (grid * grid) as f32
+        samples.map(|sample| coverage(&sample)).sum::<f32>() / (grid * grid) as f32
     })
 }
 

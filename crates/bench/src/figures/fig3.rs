@@ -61,8 +61,8 @@ pub fn fig3(
         shot(d, 3)?,
         shot(e, 4)?,
     ];
-    let meets = |sample: &Sample| DVec3::splat(f64::from(u8::from(direct.meets(sample))));
-    let coverage = picture(camera, grid, &part(5), meets)?.pixels;
+    let coverage = |sample: &Sample| DVec3::splat(f64::from(direct.coverage(sample)));
+    let coverage = picture(camera, grid, &part(5), coverage)?.pixels;
     Ok(Fig3 {
         differences: DIFFERENCES.map(|[more, less]| minus(&models[more], &models[less])),
         coverage: coverage.into_iter().map(|[share, ..]| share).collect(),
