@@ -89,7 +89,7 @@ impl Solids {
     }
 
     /// The place in the list of the first surface but `own` on a straight way.
-    fn first_met(&self, own: Key, all: &Among, from: DVec3, to: DVec3) -> Option<usize> {
+    pub(super) fn first_met(&self, own: Key, all: &Among, from: DVec3, to: DVec3) -> Option<usize> {
         let mut shares = Vec::new();
         let near = all.meeting(from.min(to), from.max(to)).into_iter();
         let met = near.filter_map(|place| {
@@ -110,7 +110,7 @@ impl Solids {
 }
 
 /// Weights of points all over a triangle whose edges are cut into so many parts.
-fn lattice(parts: usize) -> impl Iterator<Item = [f64; 3]> {
+pub(super) fn lattice(parts: usize) -> impl Iterator<Item = [f64; 3]> {
     let rows = (0..=parts).flat_map(move |i| (0..=parts - i).map(move |j| [i, j, parts - i - j]));
     rows.map(move |steps| {
         steps.map(|step| INSET / 3.0 + (1.0 - INSET) * step as f64 / parts as f64)

@@ -25,8 +25,9 @@ impl Solids {
         let first = |key: Key| {
             let shape = &self.shapes[self.shape_of(key) as usize];
             let mut faces = shape.surfaces[key.1 as usize].faces.iter();
-            let wound = self.wound(self.shape_of(key), key.1).first();
             let is_turned = turned.contains(&key);
+            let wound = self.wound_but_for_holes(self.shape_of(key), key.1);
+            let wound = wound.faces.first().filter(|_| is_turned);
             let face = wound.or_else(|| faces.find(|face| face.turned != is_turned))?;
             let start = self.firsts[key.0 as usize];
             let mut instances = (start..).zip(&self.instances[start as usize..]);
@@ -52,7 +53,7 @@ impl Solids {
     pub fn backs(&self, places: &[DVec3]) -> Vec<(u32, Vec<u32>)> {
         let mut turned = self.turned_surfaces();
         let whole = |key: &&Key| {
-            let wound = self.wound(self.shape_of(**key), key.1);
+            let wound = &self.wound_but_for_holes(self.shape_of(**key), key.1).faces;
             wound.is_empty() || wound.len() == self.surface_of(**key).faces.len()
         };
         let is_uneven = |key: Key| self.surface_of(key).is_uneven();
@@ -78,7 +79,11 @@ impl Solids {
         for (&(shape, surface), &is_back) in &is_back {
             let of = &self.shapes[shape as usize].surfaces[surface as usize];
             let wound: HashSet<&Face> = match is_back && of.is_mixed() {
-                true => self.wound(shape, surface).iter().collect(),
+                true => self
+                    .wound_but_for_holes(shape, surface)
+                    .faces
+                    .iter()
+                    .collect(),
                 false => HashSet::new(),
             };
             let is_inward = |face: &Face| is_back && (!of.is_mixed() || wound.contains(face));
@@ -198,7 +203,7 @@ impl Solids {
             let may = matches!(inside, None | Some(Inside::Solid | Inside::Nothing));
             of.surface.is_mixed()
                 && may
-                && !self.wound(of.shape, of.key.1).is_empty()
+                && self.is_wound(of, &all)
                 && !self.is_lived_in(of, -1, &all)
         };
         found.extend(placed.iter().filter(is_wound).map(|of| of.key));

@@ -2,6 +2,7 @@
 
 use super::topology::{self, Face, Surface};
 use super::tree::SurfaceTree;
+use super::wound::Wound;
 use scene::Scene;
 use std::collections::{HashMap, HashSet};
 use std::sync::OnceLock;
@@ -15,7 +16,7 @@ pub(super) struct Shape {
     /// Built when first asked.
     pub trees: Vec<OnceLock<SurfaceTree>>,
     /// The faces of each that look inward, found when first asked; see `wound.rs`.
-    pub wound: Vec<OnceLock<Vec<Face>>>,
+    pub wound: Vec<OnceLock<Wound>>,
     /// Their meshes.
     pub meshes: Vec<u32>,
 }

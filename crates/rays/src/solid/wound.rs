@@ -10,6 +10,7 @@
 //! nothing of the surface and of its shadow on the hole's plane. The mouth of a tunnel is all of that shadow, however
 //! long the tunnel is.
 
+use super::blind::lattice;
 use super::placed::{Among, Placed};
 use super::topology::{Face, Surface, corners};
 use super::{NUDGE, Solids};
@@ -28,6 +29,10 @@ const HOLES: f64 = 1.0 / 32.0;
 const MOST: f64 = 0.5;
 /// The share of a surface with holes that may have the same on either side.
 const ODD: f64 = 0.1;
+/// What stops a hole stands this near to its panes, in widths of the hole, or through them.
+const STOP: f64 = 0.125;
+/// Parts of a pane's edge between which points of it are asked.
+const PARTS: usize = 4;
 /// What stands in a room has this share of the room's side, together: else it is stuck in a wall.
 const STANDS: f64 = 1.0 / 1024.0;
 /// Faces that are asked first.
@@ -52,6 +57,14 @@ impl Sides {
     }
 }
 
+/// What looks inward of a mixed surface.
+#[derive(Debug, Default)]
+pub(super) struct Wound {
+    pub faces: Vec<Face>,
+    /// The holes through which one may look, by their places among the surface's caps.
+    open: Vec<usize>,
+}
+
 impl Surface {
     /// True where its faces need be asked one by one whether they look inward.
     pub fn is_mixed(&self) -> bool {
@@ -65,13 +78,64 @@ impl Surface {
 }
 
 impl Solids {
-    /// The faces of a mixed surface that look inward.
+    /// The faces of a mixed surface that look inward, where one is not meant to look through any of its holes.
     pub(super) fn wound(&self, shape: u32, surface: u32) -> &[Face] {
+        let wound = self.wound_but_for_holes(shape, surface);
+        match wound.open.is_empty() {
+            true => &wound.faces,
+            false => &[],
+        }
+    }
+
+    /// The faces of a mixed surface that look inward, and the holes through which one may look.
+    pub(super) fn wound_but_for_holes(&self, shape: u32, surface: u32) -> &Wound {
         let found = &self.shapes[shape as usize].wound[surface as usize];
         found.get_or_init(|| self.find_wound(shape, surface).unwrap_or_default())
     }
 
-    fn find_wound(&self, shape: u32, number: u32) -> Option<Vec<Face>> {
+    /// True where faces of a mixed surface look inward and what stands around it stops each hole through which one
+    /// would look, as snow lies on a branch.
+    pub(super) fn is_wound(&self, of: &Placed, all: &Among) -> bool {
+        let wound = self.wound_but_for_holes(of.shape, of.key.1);
+        let is_stopped = |hole: &usize| self.is_stopped(of, &of.surface.caps[*hole], all);
+        !wound.faces.is_empty() && wound.open.iter().all(is_stopped)
+    }
+
+    /// True where other surfaces stand in nearly all of a hole: close to it, or on both sides of it, as the skin of what
+    /// is stuck in it.
+    fn is_stopped(&self, of: &Placed, cap: &[[[f32; 3]; 3]], all: &Among) -> bool {
+        let place = |corner: [f32; 3]| {
+            let corner = DVec3::from(corner.map(f64::from));
+            of.transform.transform_point3(corner)
+        };
+        let sense = of.transform.matrix3.determinant().signum();
+        let panes: Vec<[DVec3; 3]> = cap.iter().map(|pane| pane.map(place)).collect();
+        let across = |[a, b, c]: &[DVec3; 3]| 0.5 * sense * (*b - *a).cross(*c - *a);
+        let hole: DVec3 = panes.iter().map(across).sum();
+        // A pane's front is that of the faces, which look inward.
+        let outward = -hole.normalize_or_zero();
+        let width = hole.length().sqrt();
+        let (mut asked, mut stopped) = (0.0, 0.0);
+        for pane in &panes {
+            let area = across(pane).length();
+            let [a, b, c] = *pane;
+            let points: Vec<[f64; 3]> = lattice(PARTS).collect();
+            for [u, v, w] in &points {
+                let at = *u * a + *v * b + *w * c;
+                let share = area / points.len() as f64;
+                let is_met = |from: f64, to: f64| {
+                    let ends = [from, to].map(|step| at + step * width * outward);
+                    self.first_met(of.key, all, ends[0], ends[1]).is_some()
+                };
+                let is_stopped = is_met(-STOP, STOP) || is_met(0.0, 1.0) && is_met(0.0, -1.0);
+                asked += share;
+                stopped += if is_stopped { share } else { 0.0 };
+            }
+        }
+        stopped >= (1.0 - HOLE) * asked
+    }
+
+    fn find_wound(&self, shape: u32, number: u32) -> Option<Wound> {
         let surface = &self.shapes[shape as usize].surfaces[number as usize];
         if !surface.is_mixed() || !self.is_drawn_from_both_sides(surface) {
             return None;
@@ -94,22 +158,24 @@ impl Solids {
         if inward == 0.0 {
             return None;
         }
-        if !surface.caps.is_empty() {
-            let is_whole = all - inward - outward <= ODD * all && inward >= MOST * all;
-            if !is_whole || !self.holes_are_little(shape, number, inward) {
-                return None;
-            }
+        let is_whole = all - inward - outward <= ODD * all && inward >= MOST * all;
+        if !surface.caps.is_empty() && !is_whole {
+            return None;
         }
         let found = faces.iter().zip(&asked);
         let found = found.filter(|(_, sides)| sides.is_inward());
-        Some(found.map(|(&face, _)| face).collect())
+        Some(Wound {
+            faces: found.map(|(&face, _)| face).collect(),
+            open: self.open_holes(shape, number, inward),
+        })
     }
 
-    /// True where one is not meant to look through any hole of a surface of which so much looks inward.
-    fn holes_are_little(&self, shape: u32, number: u32, inward: f64) -> bool {
+    /// The holes through which one may look, of a surface of which so much looks inward.
+    fn open_holes(&self, shape: u32, number: u32, inward: f64) -> Vec<usize> {
         let surface = &self.shapes[shape as usize].surfaces[number as usize];
         let (mut missing, mut holes) = (0.0, 0.0);
-        for cap in &surface.caps {
+        let mut large = Vec::new();
+        for (hole_number, cap) in surface.caps.iter().enumerate() {
             let open = |pane: &[[f32; 3]; 3]| {
                 let pane = pane.map(|corner| DVec3::from(corner.map(f64::from)));
                 let sides = self.sides(shape, number, pane);
@@ -134,15 +200,17 @@ impl Solids {
                 1 => hole.length() <= TRIANGLE * shadow,
                 _ => hole.length() <= (HOLE * shadow).min(WINDOW * inward),
             };
-            if !is_little {
-                return false;
-            }
             match cap.len() {
+                _ if !is_little => large.push(hole_number),
                 1 => missing += area,
                 _ => holes += area,
             }
         }
-        missing <= TRIANGLES * inward && holes <= HOLES * inward
+        // Together they are not little.
+        if missing > TRIANGLES * inward || holes > HOLES * inward {
+            return (0..surface.caps.len()).collect();
+        }
+        large
     }
 
     fn sides(&self, shape: u32, number: u32, [a, b, c]: [DVec3; 3]) -> Sides {
