@@ -260,3 +260,41 @@ fn a_dome_that_ends_in_the_plane_of_the_ground_is_named_and_a_tent_and_a_hangar_
         assert_eq!(named, expected, "{name}: {}", report["warnings"]);
     }
 }
+
+#[test]
+fn bodies_for_collisions_are_told_of_by_their_names() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let square = |name: &str, y: usize, first: usize| {
+        let corners = [[-1, -1], [1, -1], [1, 1], [-1, 1]];
+        let corners = corners.map(|[x, z]| format!("v {x} {y} {z}\n")).concat();
+        let [a, b, c, d] = [0, 1, 2, 3].map(|k| first + k);
+        format!("{corners}o {name}\nf {d} {c} {b} {a}\n")
+    };
+    for (name, expected) in [
+        ("UCX_floor", true),
+        ("Fence_Collider", true),
+        ("floor-convcolonly", true),
+        ("floor-col", false),
+        ("truck_ucx_", false),
+        ("column", false),
+    ] {
+        let text = square("floor", 0, 1) + &square(name, 1, 5);
+        let path = obj(folder.path(), "", &text);
+        let told = |flags: &[&str]| {
+            let small = ["--size=64", "--rays=4", "--only=diffuse"];
+            let (baked, _) = bake(&path, &[&small[..], flags].concat());
+            let report = report(baked.path());
+            let warnings = report["warnings"].as_array().expect("a list").iter();
+            let own = warnings.filter(|of| of["kind"] == "collision-bodies");
+            own.map(|of| (of["count"].clone(), of["place"].clone()))
+                .collect::<Vec<_>>()
+        };
+        let own = (json!(1), json!(format!("object `{name}`")));
+        assert_eq!(
+            told(&[]),
+            if expected { vec![own] } else { vec![] },
+            "{name}"
+        );
+        assert!(told(&["--exclude", name]).is_empty(), "{name}");
+    }
+}

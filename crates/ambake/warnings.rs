@@ -15,6 +15,19 @@ const LEAST_OUTSIDE: f64 = 0.1;
 /// mesh lean behind some slivers of it.
 const LEAST_AVERSE: f64 = 0.01;
 
+/// What names of bodies for collisions have in them: of Unity and Decentraland, of engines' own meshes, and of Godot's
+/// importer, where `-col` alone is a visible mesh.
+const COLLISIONS: [&str; 3] = ["collider", "collision", "colonly"];
+/// How Unreal's importer wants them to begin.
+const UNREAL: [&str; 4] = ["ucx_", "ubx_", "usp_", "ucp_"];
+
+fn is_named_for_collisions(name: &str) -> bool {
+    let name = name.to_ascii_lowercase();
+    let mut parts = name.split(['/', ' ']);
+    COLLISIONS.iter().any(|word| name.contains(word))
+        || parts.any(|part| UNREAL.iter().any(|start| part.starts_with(start)))
+}
+
 impl Job {
     /// Everything that was repaired, ignored or is doubtful before a ray was cast, and matters to this bake.
     pub fn warnings(&self) -> Vec<WarningReport> {
@@ -61,6 +74,7 @@ impl Job {
             .chain(self.touching())
             .chain(self.outsides())
             .chain(self.inside_out())
+            .chain(self.collision_bodies())
             .chain(self.turned_over())
             .chain(self.averse_normals())
             .chain(self.within(|| faces_away(self)))
@@ -154,6 +168,16 @@ impl Job {
         })
     }
 
+    /// Objects with texels that are named as bodies for collisions, which nobody sees.
+    fn collision_bodies(&self) -> Option<WarningReport> {
+        let message = "bodies for collisions, by their names, take texels and block light; where nobody is to see \
+                       them, `--exclude NAME` leaves them out";
+        let instances = &self.scene().instances;
+        self.of_objects("collision-bodies", message, |instance| {
+            is_named_for_collisions(&instances[instance as usize].name)
+        })
+    }
+
     /// A warning about the objects with texels of which something holds.
     fn of_objects(
         &self,
@@ -185,7 +209,9 @@ impl Job {
             kind: "inside-out".into(),
             place: format!("object `{}`", first.name),
             count: found.len() as u64,
-            message: "faces of a closed surface look inward, so it is lit from within and dark: turn them over, unless it is an empty room".into(),
+            message: "faces of a closed surface look inward, so it is lit from within and dark: turn them over, unless \
+                      it is an empty room; an outline around other surfaces is left out by `--exclude NAME`"
+                .into(),
         })
     }
 

@@ -110,7 +110,7 @@ impl Solids {
 }
 
 /// Weights of points all over a triangle whose edges are cut into so many parts.
-pub(super) fn lattice(parts: usize) -> impl Iterator<Item = [f64; 3]> {
+fn lattice(parts: usize) -> impl Iterator<Item = [f64; 3]> {
     let rows = (0..=parts).flat_map(move |i| (0..=parts - i).map(move |j| [i, j, parts - i - j]));
     rows.map(move |steps| {
         steps.map(|step| INSET / 3.0 + (1.0 - INSET) * step as f64 / parts as f64)

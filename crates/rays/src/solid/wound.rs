@@ -10,7 +10,6 @@
 //! nothing of the surface and of its shadow on the hole's plane. The mouth of a tunnel is all of that shadow, however
 //! long the tunnel is.
 
-use super::blind::lattice;
 use super::placed::{Among, Placed};
 use super::topology::{Face, Surface, corners};
 use super::{NUDGE, Solids};
@@ -32,7 +31,7 @@ const ODD: f64 = 0.1;
 /// What stops a hole stands this near to its panes, in widths of the hole, or through them.
 const STOP: f64 = 0.125;
 /// Parts of a pane's edge between which points of it are asked.
-const PARTS: usize = 4;
+const PARTS: usize = 8;
 /// What stands in a room has this share of the room's side, together: else it is stuck in a wall.
 const STANDS: f64 = 1.0 / 1024.0;
 /// Faces that are asked first.
@@ -119,7 +118,7 @@ impl Solids {
         for pane in &panes {
             let area = across(pane).length();
             let [a, b, c] = *pane;
-            let points: Vec<[f64; 3]> = lattice(PARTS).collect();
+            let points: Vec<[f64; 3]> = middles(PARTS).collect();
             for [u, v, w] in &points {
                 let at = *u * a + *v * b + *w * c;
                 let share = area / points.len() as f64;
@@ -270,4 +269,13 @@ impl Solids {
             material.double_sided && material.emission == glam::Vec3::ZERO
         })
     }
+}
+
+/// Weights of points spread over a triangle: the middles of some of the parts into which its edges are cut.
+fn middles(parts: usize) -> impl Iterator<Item = [f64; 3]> {
+    let rows = (0..parts).flat_map(move |i| (0..parts - i).map(move |j| [i, j]));
+    rows.map(move |steps| {
+        let [u, v] = steps.map(|step| (step as f64 + 1.0 / 3.0) / parts as f64);
+        [u, v, 1.0 - u - v]
+    })
 }

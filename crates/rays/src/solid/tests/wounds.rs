@@ -214,3 +214,33 @@ fn a_light_or_a_lamp_keeps_what_lacks_a_triangle_lit_from_within() {
     single.materials[0].double_sided = false;
     assert!(backs(single, &[]).is_empty());
 }
+
+#[test]
+fn a_hood_that_looks_inward_is_lit_from_behind_where_something_stops_its_mouth() {
+    // A box without its bottom, as snow on a beam: its mouth is at y = -1.
+    let hood = || without(block(Vec3::ZERO, Vec3::ONE, true), 1, -1.0);
+    let beam = |y: f32, half: f32| block(Vec3::Y * y, Vec3::splat(half), false);
+    let far = || block(Vec3::X * 30.0, Vec3::ONE, false);
+    for (beside, expected) in [
+        // It stands on a beam as wide, with a slit between, or a beam sticks in it.
+        (beam(-2.0, 1.0), 10),
+        (beam(-2.1, 1.0), 10),
+        (beam(-1.4, 0.97), 10),
+        // One looks into it beside or below them.
+        (beam(-1.5, 0.5), 0),
+        (beam(-3.0, 1.0), 0),
+        (far(), 0),
+    ] {
+        assert_eq!(
+            turned(vec![hood(), beside.clone(), far()]),
+            expected,
+            "{:?}",
+            beside.positions[0]
+        );
+    }
+    // Something stands in it.
+    let chair = block(Vec3::new(0.3, 0.3, 0.2), Vec3::splat(0.3), false);
+    let ground = beam(-4.0, 3.0);
+    assert_eq!(turned(vec![hood(), ground.clone(), far()]), 10);
+    assert_eq!(turned(vec![hood(), ground, chair, far()]), 0);
+}
