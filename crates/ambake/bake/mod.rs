@@ -383,8 +383,8 @@ impl Bake {
     /// The folder of an earlier bake of this scene, before it changed: charts of what is the same keep their places,
     /// and texels that no change can reach keep their values. The result is that of a whole bake with that layout, bit
     /// for bit. Where another version, options or ray library baked it, all is baked, and `bake.json` says why. The
-    /// earlier bake must be one that [`Job::run_into`] or the program wrote: [`Baked::write`] no longer has the tiles
-    /// as they were before whole pages were finished.
+    /// earlier bake must be one that [`Job::run_into`](crate::Job::run_into) or the program wrote:
+    /// [`Baked::write`](crate::Baked::write) no longer has the tiles as they were before whole pages were finished.
     pub fn update(mut self, dir: impl Into<PathBuf>) -> Self {
         self.update = Some(dir.into());
         self

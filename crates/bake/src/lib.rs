@@ -30,8 +30,8 @@
 //! * What lies under a texel: `survey`; what a sample stands on: `survey/cells.rs`; which part of it is sampled:
 //!   `survey/seen.rs`.
 //! * How rays become terms: `integrate/mod.rs`, sixteen at a time in `integrate/gang`. There `aim.rs` says where they
-//!   start and go, `gloss.rs` has microfacets, `moments.rs` layers for any view and `directional.rs` light by direction,
-//!   which `page/directional.rs` carries through the last steps.
+//!   start and go, `gloss.rs` has microfacets, `moments.rs` layers for any view and `directional.rs` light by
+//!   direction, which `page/directional.rs` carries through the last steps.
 //! * Where rays go: `integrate/lobe.rs` says how many a highlight takes, `integrate/guides.rs` where those of dark
 //!   surfaces go, `page/spend.rs` where those of a target go.
 //! * The standard error: `integrate/estimate.rs`; what neighbours share: `integrate/pool.rs`.
@@ -43,8 +43,8 @@
 //!   taken out before: `strays.rs`, `lines.rs`.
 //! * Which charts are one surface, and how their seams are solved: `seams`; between pages `across.rs`, where a wall
 //!   ends them `walls.rs`.
-//! * Layers from facts: `page/compose.rs`. What becomes of a tile: `page/integrated.rs`. Tiles of a shard: `page/share.rs`.
-//!   What an update may keep: `reach`.
+//! * Layers from facts: `page/compose.rs`. What becomes of a tile: `page/integrated.rs`. Tiles of a shard:
+//!   `page/share.rs`. What an update may keep: `reach`.
 #![forbid(unsafe_code)]
 
 mod bounce;

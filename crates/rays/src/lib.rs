@@ -29,15 +29,15 @@
 //!
 //! * Backends: `backend.rs` is the trait, `build.rs` the choice. Which of coinciding triangles a ray meets:
 //!   `coincident.rs`.
-//! * The world and its precision: `world`, with the lit sides of triangles in `lit.rs`. Where its coordinates count from:
-//!   `origin.rs`. Where rays start: `surface.rs`.
+//! * The world and its precision: `world`, with the lit sides of triangles in `lit.rs`. Where its coordinates count
+//!   from: `origin.rs`. Where rays start: `surface.rs`.
 //! * What cut-out and see-through surfaces let through: `alpha_test.rs`, channel by channel
 //!   `panes.rs`. Material at a point: `material.rs`.
 //! * How normal maps bend normals: `normal_maps.rs`, with tangents from `tangents.rs` and their frames in `frames.rs`.
 //! * What counts as inside of something: `solid`, with closed bodies and cavities in `mod.rs`, how deep a point lies in
-//!   them in `depth.rs`, grounds in `ground`, rooms in `rooms.rs`, bodies without a bottom in `shut.rs`, those that look
-//!   inward in `inward.rs` and `wound.rs`, ends of surfaces that nobody sees in `rims.rs` and what thin layers cover in
-//!   `covers.rs`. Whether a point of a triangle lies in it: `buried.rs`.
+//!   them in `depth.rs`, grounds in `ground`, rooms in `rooms.rs`, bodies without a bottom in `shut.rs`, those that
+//!   look inward in `inward.rs` and `wound.rs`, ends of surfaces that nobody sees in `rims.rs` and what thin layers
+//!   cover in `covers.rs`. Whether a point of a triangle lies in it: `buried.rs`.
 //! * Suns, point lights, spots, balls and panels: `light`. Surfaces that shine: `lamps.rs`.
 #![forbid(unsafe_code)]
 

@@ -33,8 +33,9 @@ pub(crate) struct Lit {
 
 impl World {
     /// Lights closed bodies that look inward from behind where nobody is within, and sheets that look at something
-    /// close ([`Solids::backs`]): normals point to the other side, and nothing else changes. So do those that point
-    /// into a body which looks outward, or away from where their surface looks ([`Solids::averse`]).
+    /// close ([`Solids::backs`](crate::Solids::backs)): normals point to the other side, and nothing else changes. So
+    /// do those that point into a body which looks outward, or away from where their surface looks
+    /// ([`Solids::averse`](crate::Solids::averse)).
     ///
     /// * `places`: where lights and eyes are, in the coordinates of the file.
     pub fn turn_over(&mut self, places: impl Iterator<Item = DVec3>) {

@@ -11,8 +11,8 @@
 //!
 //! All that a fit needs are *moments*: sums over the cells between corners of t^i q^j, by the place in the cell, 0..1
 //! across and down. Those of a cell follow from those of its four quarters, so texels are summed once for all strides
-//! ([`moments`]). They are the normal equations of the windows, which [`equations`] solves, and [`blend`] makes texels of
-//! what comes back.
+//! ([`moments`]). They make the normal equations of the windows, which [`equations`] solves; [`blend`] makes texels of
+//! the solutions.
 
 // Indices are those of the mathematics.
 #![allow(clippy::needless_range_loop)]

@@ -1,4 +1,4 @@
-//! Moments of the texels of cells: how rows of them are laid out, and how those of a cell follow from its four quarters.
+//! Moments of the texels of cells: how rows of them are laid out, and how those of a cell follow from its quarters.
 
 use crate::denoise::lanes::{LANES, Lanes};
 use crate::denoise::surface::Surface;
