@@ -50,7 +50,7 @@ pub fn summary(report: &BakeReport, verbose: bool, dir: &Path) -> String {
     {
         text += &format!(
             "error of diffuse: RMSE {rmse:.5} (below {bound:.5} with 99.9 % confidence), worst texel {worst:.5}: {}\n",
-            grade(rmse)
+            against_target(report, rmse).unwrap_or_else(|| grade(rmse).into())
         );
     }
     if report
@@ -123,6 +123,23 @@ fn steps(rms: f64, moved: f64, rmse: f64) -> &'static str {
 }
 
 /// What an error of shares looks like, and what helps.
+/// What an error is beside the target that was set for it; `None` where none was.
+fn against_target(report: &BakeReport, rmse: f64) -> Option<String> {
+    let number = |key: &str| report.options.get(key)?.as_f64();
+    let target = number("target_error")?;
+    Some(match rmse / target - 1.0 {
+        _ if number("target_relative").is_some_and(|share| share > 0.0) => {
+            format!("the target is {target}, or its share of the value")
+        }
+        ..=0.0 => format!("the target is {target}"),
+        above => format!(
+            "{:.0} % above the target of {target}; --target-error {:.5} gets nearer, if --max-rays lets it",
+            (100.0 * above).max(1.0),
+            target * target / rmse,
+        ),
+    })
+}
+
 fn grade(rmse: f64) -> &'static str {
     match rmse / STEP {
         ..0.5 => "good, under half a step of 8 bits",

@@ -1,11 +1,11 @@
 //! How many rays the tiles of a page take.
 //!
 //! With a target, every texel takes a few rays first. What they say of the error of each tile, after denoising, decides
-//! how many it takes: with errors that fall like N^-q the error of a page, its root mean square, is least at a given
-//! number of rays where N is proportional to s^(2/(1 + 2q)), s being the error of a tile at equal rays. Equal errors
-//! everywhere would cost more. Numbers are powers of two, which are the best numbers of points, or three quarters of
-//! them, which are nearly as good. The rays of the pilot are thrown away: a value that had a part in the choice of its
-//! rays would be biased.
+//! how many it takes: with errors that fall like N^-q the error of a page, its root mean square, would be least at a
+//! given number of rays where N is proportional to s^(2/(1 + 2q)), s being the error of a tile at equal rays. Half of
+//! that power is taken: few rays tell s roughly, and denoising carries a tile's error to those beside it. Numbers are powers of two, which are the best numbers of points, or three quarters of
+//! them, which are nearly as good. Where these are many, a part of them is tried first, from which it is a shorter way to all.
+//! The rays of pilots are thrown away: a value that had a part in the choice of its rays would be biased.
 
 use super::baker::Baker;
 use super::compose::{is_composed, is_light};
@@ -17,9 +17,13 @@ use atlas::TILE;
 use layers::Layer;
 use std::convert::Infallible;
 
-/// Rays of the pilot, and the fewest of a tile.
+/// Rays of the first pilot, and the fewest of a tile.
 const PILOT: u32 = 8;
 const LEAST: u32 = 4;
+
+/// The second pilot takes one in so many of the rays that the first one asks for, where that is more than the first
+/// took.
+const PART: u32 = 8;
 
 /// How errors fall with the number of rays, after denoising and without: like its power of minus this.
 const DENOISED: f64 = 0.5;
@@ -65,14 +69,39 @@ fn spend(baker: &Baker<'_>, page: u32) -> Vec<u32> {
             max_rays,
         } => {
             let target = Target { error, relative };
-            let found = target.pilot(baker, page);
             let falls = match baker.options.denoise {
                 Denoise::Regression => DENOISED,
                 _ => PLAIN,
             };
-            allot(&found, falls, max_rays)
+            let found = target.pilot(baker, page, vec![PILOT; tiles]);
+            let rays = allot(&found, falls, max_rays);
+            let part: Vec<u32> = (rays.iter())
+                .map(|rays| (round(f64::from(rays / PART)) as u32).max(LEAST))
+                .collect();
+            if mean(&found, &part) <= f64::from(PILOT) {
+                return rays;
+            }
+            let found = target.pilot(baker, page, part.clone());
+            allot(&carried(&found, &part, falls), falls, max_rays)
         }
     }
+}
+
+/// The mean number of rays of the texels that count.
+fn mean(found: &[Found], rays: &[u32]) -> f64 {
+    let texels: f64 = found.iter().map(|found| found.texels).sum();
+    let rays = found.iter().zip(rays);
+    let sum: f64 = rays.map(|(f, rays)| f.texels * f64::from(*rays)).sum();
+    sum / texels.max(1.0)
+}
+
+/// What a pilot of these rays says, carried to those of the first.
+fn carried(found: &[Found], rays: &[u32], falls: f64) -> Vec<Found> {
+    let of = found.iter().zip(rays).map(|(found, &rays)| Found {
+        texels: found.texels,
+        squares: found.squares * (f64::from(rays) / f64::from(PILOT)).powf(2.0 * falls),
+    });
+    of.collect()
 }
 
 /// Rays by which the root mean square of all errors is what it may be, or the most.
@@ -81,7 +110,7 @@ fn allot(found: &[Found], falls: f64, most: u32) -> Vec<u32> {
     let rays = |found: &Found, step: i32| {
         let error = (found.squares / found.texels.max(1.0)).sqrt();
         let scale = (f64::from(step) / f64::from(STEPS)).exp2();
-        let even = pilot * scale * error.powf(2.0 / (1.0 + 2.0 * falls));
+        let even = pilot * scale * error.powf(1.0 / (1.0 + 2.0 * falls));
         (round(even) as u32).clamp(LEAST.min(most), most)
     };
     let texels: f64 = found.iter().map(|found| found.texels).sum();
@@ -98,7 +127,17 @@ fn allot(found: &[Found], falls: f64, most: u32) -> Vec<u32> {
     let mut steps = -16 * STEPS..64 * STEPS;
     let step = steps.find(|&step| excess(step) <= 1.0 || spent(step));
     let step = step.unwrap_or(64 * STEPS);
-    found.iter().map(|found| rays(found, step)).collect()
+    let mut seen: Vec<u32> = (found.iter().filter(|found| found.texels > 0.0))
+        .map(|found| rays(found, step))
+        .collect();
+    seen.sort_unstable();
+    // What nobody sees is not to look like noise either.
+    let unseen = seen.get(seen.len() / 2).copied().unwrap_or(LEAST.min(most));
+    let all = found.iter().map(|found| match found.texels > 0.0 {
+        true => rays(found, step),
+        false => unseen,
+    });
+    all.collect()
 }
 
 /// The nearest number of those that are as good as any: powers of two, and three quarters of them.
@@ -114,8 +153,8 @@ fn round(rays: f64) -> f64 {
 }
 
 impl Target {
-    /// What a few rays of every texel say of the tiles of a page, each with those about it.
-    fn pilot(&self, baker: &Baker<'_>, number: u32) -> Vec<Found> {
+    /// What so many rays of the texels of each tile say of the tiles of a page, each with those about it.
+    fn pilot(&self, baker: &Baker<'_>, number: u32, rays: Vec<u32>) -> Vec<Found> {
         let options = pilot_options(baker);
         let Baker {
             world,
@@ -125,6 +164,7 @@ impl Target {
             ..
         } = *baker;
         let pilot = Baker::new(world, plan, backend, atlas, &options);
+        let _ = pilot.spent[number as usize].set(rays);
         let mut page = pilot.start(number);
         let Ok(_) = pilot.fill(&mut page, &(), &mut |_| Ok::<_, Infallible>(()));
         settle(&mut page, &pilot.site());
@@ -285,12 +325,27 @@ mod tests {
         let rays = allot(&found, 0.5, 16_384);
         let good = |rays: &u32| rays.is_power_of_two() || (rays / 3).is_power_of_two();
         assert!(rays.iter().all(good), "{rays:?}");
-        assert_eq!(rays[1], 16 * rays[0]);
+        assert_eq!(rays[1], 4 * rays[0], "a half of the power of 1");
         let left = |found: &Found, &rays: &u32| found.squares * 8.0 / f64::from(rays);
         let left: f64 = found.iter().zip(&rays).map(|(f, r)| left(f, r)).sum();
         // A step of rounding more rays than needed, at most.
         assert!((0.4..=1.0).contains(&(left / 1280.0)), "{rays:?}: {left}");
         assert_eq!(allot(&found, 0.5, 64)[1], 64);
         assert_eq!(allot(&[of(0.0)], 0.5, 64), [LEAST]);
+        // A tile that nobody sees takes what most do.
+        let unseen = allot(&[Found::default(), of(4.0), of(0.25), of(4.0)], 0.5, 16_384);
+        assert_eq!(unseen[0], unseen[1]);
+        assert_eq!(allot(&[Found::default()], 0.5, 64), [LEAST]);
+        // What other numbers of rays tell is the same once it is carried back.
+        let many = [2, 32].map(|more| PILOT * more);
+        let told = many.map(|rays| Found {
+            texels: 256.0,
+            squares: 5.0 * f64::from(PILOT) / f64::from(rays),
+        });
+        assert!(
+            carried(&told, &many, 0.5)
+                .iter()
+                .all(|found| (found.squares - 5.0).abs() < 1e-9)
+        );
     }
 }
