@@ -154,10 +154,28 @@ fn what_stands_around_everything_in_the_dark_is_named() {
         said.len() == 1 && said[0].contains("dome") && said[0].contains("--no-cast"),
         "{said:?}"
     );
-    let (baked, page) = bake(
-        &path,
-        &[&small[..], &["--no-cast", "dome", "--exclude", "dome"]].concat(),
+    let without = [&small[..], &["--no-cast", "dome", "--exclude", "dome"]].concat();
+    let (baked, page) = bake(&path, &without);
+    assert_eq!(mean(&page, "diffuse").0, 1.0);
+    assert!(told(&report(baked.path())).is_empty());
+    // A dome that looks outward is a solid, and what is in it lies in that.
+    let turn = |line: &str| match line.strip_prefix("f ") {
+        Some(corners) => format!(
+            "f {}\n",
+            corners.split(' ').rev().collect::<Vec<_>>().join(" ")
+        ),
+        None => format!("{line}\n"),
+    };
+    let (floor, dome) = text.split_once("o dome\n").expect("two objects");
+    let turned: String = dome.lines().map(turn).collect();
+    let path = obj(folder.path(), "", &format!("{floor}o dome\n{turned}"));
+    let (baked, _) = bake(&path, &small);
+    let said = told(&report(baked.path()));
+    assert!(
+        said.len() == 1 && said[0].contains("dome") && said[0].contains("solid"),
+        "{said:?}"
     );
+    let (baked, page) = bake(&path, &without);
     assert_eq!(mean(&page, "diffuse").0, 1.0);
     assert!(told(&report(baked.path())).is_empty());
 }

@@ -20,6 +20,8 @@ const FACES: u32 = 32;
 const LEAVING: u32 = 200;
 /// One in so many meets it, and of these one in so many may meet something beyond it.
 const MEETING: u32 = 10;
+/// Of the faces in a closed body one in so many may lie in no solid.
+const FREE: u32 = 16;
 
 /// The warning that names a sheet around most of a scene, which hides the sky from all that is in it. `None` where light
 /// was asked for that needs no sky.
@@ -27,24 +29,43 @@ pub(crate) fn enclosed(job: &Job) -> Option<WarningReport> {
     if job.options().max_distance.is_some() || job.has_lamps() {
         return None;
     }
-    let dome = find(job.world(), job.backend())?;
+    let (world, backend) = (job.world(), job.backend());
+    let sheet = find(world, |dome, within| {
+        is_sheet_around(world, backend, dome, within)
+    });
+    let (dome, message) = match sheet {
+        Some(dome) => (
+            dome,
+            "what stands in it sees no sky; where it is a sky dome or a shell, `--no-cast NAME` lets the light \
+             through it",
+        ),
+        None => (
+            find(world, |_, within| are_buried(world, within))?,
+            "what stands in a body that looks outward lies in a solid and gets no light; where the body is a sky dome \
+             or a shell, `--no-cast NAME` lets the light through it",
+        ),
+    };
     Some(WarningReport {
         kind: "enclosed".into(),
         place: format!("object `{}`", dome.name),
         count: 1,
-        message: "what stands in it sees no sky; where it is a sky dome or a shell, `--no-cast NAME` lets the light \
-                  through it"
-            .into(),
+        message: message.into(),
     })
 }
 
 /// The instances of what stands around most of a scene and keeps the sky from it, such as a sky dome that blocks light;
 /// none where nothing does. A picture of the scene is taken from within it, see [`render::Framing::fitted`].
 pub fn surrounding(world: &World, backend: &dyn RayBackend) -> Vec<u32> {
-    find(world, backend).map_or(Vec::new(), |dome| dome.instances)
+    let is_around =
+        |dome: &ObjectName, within: &[&ObjectName]| is_sheet_around(world, backend, dome, within);
+    find(world, is_around).map_or(Vec::new(), |dome| dome.instances)
 }
 
-fn find(world: &World, backend: &dyn RayBackend) -> Option<ObjectName> {
+/// The largest object with most others in its box, of some of which something holds.
+fn find(
+    world: &World,
+    holds_for: impl Fn(&ObjectName, &[&ObjectName]) -> bool,
+) -> Option<ObjectName> {
     let mut objects = atlas::object_names(world.scene());
     let boxes: Vec<Option<Bounds>> = objects.iter().map(|of| bounds_of(world, of)).collect();
     let large = LARGE * side(world.bounds());
@@ -61,10 +82,10 @@ fn find(world: &World, backend: &dyn RayBackend) -> Option<ObjectName> {
         let is_within = |k: &usize| *k != dome && boxes[*k].is_some_and(|of| holds(around, of));
         let within: Vec<usize> = (0..objects.len()).filter(is_within).collect();
         let step = within.len().div_ceil(OBJECTS).max(1);
-        let some = within.iter().step_by(step).map(|&k| &objects[k]);
+        let some: Vec<&ObjectName> = within.iter().step_by(step).map(|&k| &objects[k]).collect();
         !within.is_empty()
             && 2 * within.len() >= objects.len() - 1
-            && is_sheet_around(world, backend, &objects[dome], some)
+            && holds_for(&objects[dome], &some)
     };
     let (dome, _) = candidates.into_iter().find(hides)?;
     Some(objects.swap_remove(dome))
@@ -101,24 +122,20 @@ struct Counts {
 
 /// True where next to no ray from faces of some objects leaves the scene, many meet a further one first, and nothing is
 /// beyond it. Faces before which other things stand all around do not count.
-fn is_sheet_around<'a>(
+fn is_sheet_around(
     world: &World,
     backend: &dyn RayBackend,
     sheet: &ObjectName,
-    within: impl Iterator<Item = &'a ObjectName>,
+    within: &[&ObjectName],
 ) -> bool {
     let mut sums = Counts::default();
-    for &instance in within.flat_map(|object| &object.instances) {
-        let count = world.part(instance).1.triangles().len() as u32;
-        let step = count.div_ceil(FACES).max(1);
-        for triangle in (0..count).step_by(step as usize) {
-            let of = from_face((world, backend), sheet, instance, triangle);
-            if of.met + of.left > 0 {
-                sums.cast += of.cast;
-                sums.left += of.left;
-                sums.met += of.met;
-                sums.beyond += of.beyond;
-            }
+    for (instance, triangle) in some_faces(world, within) {
+        let of = from_face((world, backend), sheet, instance, triangle);
+        if of.met + of.left > 0 {
+            sums.cast += of.cast;
+            sums.left += of.left;
+            sums.met += of.met;
+            sums.beyond += of.beyond;
         }
     }
     let Counts {
@@ -128,6 +145,32 @@ fn is_sheet_around<'a>(
         beyond,
     } = sums;
     met > 0 && left <= cast / LEAVING && met >= cast / MEETING && beyond <= met / MEETING
+}
+
+/// Faces of objects, an instance and a triangle each.
+fn some_faces<'a>(
+    world: &'a World,
+    of: &'a [&ObjectName],
+) -> impl Iterator<Item = (u32, u32)> + 'a {
+    let instances = of.iter().flat_map(|object| &object.instances);
+    instances.flat_map(|&instance| {
+        let count = world.part(instance).1.triangles().len() as u32;
+        let step = count.div_ceil(FACES).max(1);
+        (0..count)
+            .step_by(step as usize)
+            .map(move |triangle| (instance, triangle))
+    })
+}
+
+/// True where nearly all of some objects lies in solids.
+fn are_buried(world: &World, objects: &[&ObjectName]) -> bool {
+    let is_free =
+        |&(instance, triangle): &(u32, u32)| !world.is_buried(instance, triangle, [1.0 / 3.0; 3]);
+    let faces = some_faces(world, objects);
+    let (free, all) = faces.fold((0, 0), |(free, all), face| {
+        (free + u32::from(is_free(&face)), all + 1)
+    });
+    all > 0 && FREE * free <= all
 }
 
 /// What becomes of rays from the middle of a face; nothing of one that is buried, as the bottom of what stands on a

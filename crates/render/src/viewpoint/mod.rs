@@ -9,7 +9,7 @@ mod tests;
 use crate::{Camera, Error, Framing};
 use glam::DVec3;
 use rays::{RayBackend, World};
-use room::{CLOSED, HALF_OPEN, Room, is_closed};
+use room::{Room, Within};
 use std::f64::consts::PI;
 use subject::points;
 
@@ -18,9 +18,9 @@ const WIDE: f64 = 65.0 * PI / 180.0;
 
 impl Framing {
     /// The camera that shows a scene best: the one of [`Framing::camera`], from another side or steeper where that
-    /// shows more of it, and inside where most of the free space in the scene's box is closed, or where a place within
-    /// tells more than the view from outside, counted by how much of what is above it is closed. Inside, the field of
-    /// view is at least 65 degrees unless `keep_fov`.
+    /// shows more of it, and inside where a place within tells more than the view from outside: it counts by how much of
+    /// what is above it is closed, and more where most of the free space in the scene's box is closed. Inside, the
+    /// field of view is at least 65 degrees unless `keep_fov`.
     ///
     /// * `around`: instances that only stand around the scene, as a sky dome does. They are not what is looked at, and
     ///   the eye is before them.
@@ -38,30 +38,28 @@ impl Framing {
             return self.camera(world);
         }
         let room = Room::of(world, backend, around, self.up);
-        let inside = |view| {
-            let fov = match keep_fov {
-                true => self.fov,
-                false => self.fov.max(WIDE),
-            };
-            Framing { fov, ..*self }.camera_at(view)
-        };
-        let places = room.places();
-        if let Some(view) = room.closed(&places) {
-            return inside(view);
-        }
         let outside = self.around(&room)?;
-        let Some(view) = room.best(&places, HALF_OPEN) else {
-            return Ok(outside);
+        let within = self.within(&room, &outside, keep_fov)?;
+        Ok(within.map_or(outside, |(camera, _)| camera))
+    }
+
+    /// The view from within a scene and its camera, where that tells more than the one `outside`.
+    fn within(
+        &self,
+        room: &Room,
+        outside: &Camera,
+        keep_fov: bool,
+    ) -> Result<Option<(Camera, Within)>, Error> {
+        let Some(view) = room.within() else {
+            return Ok(None);
         };
-        let inside = inside(view)?;
-        // A place counts by how much of it is roofed: a doll's house without a roof is looked at from above, a cave or
-        // a hall below a skylight is not.
-        let roofed = room.roofed(inside.eye);
-        let [within, without] = [&inside, &outside].map(|camera| room.told(room.through(camera)));
-        Ok(match roofed * within > without {
-            true => inside,
-            false => outside,
-        })
+        let fov = match keep_fov {
+            true => self.fov,
+            false => self.fov.max(WIDE),
+        };
+        let inside = Framing { fov, ..*self }.camera_at(view.through)?;
+        let [own, other] = [&inside, outside].map(|camera| room.told(room.through(camera)));
+        Ok((view.counts * own > other).then_some((inside, view)))
     }
 
     /// The camera of [`Framing::fitted`] outside of a scene, whether or not it shows most there.
@@ -100,14 +98,13 @@ impl Framing {
     }
 }
 
-/// Places in a scene from which people look, where most of the free space in its box is closed; none elsewhere.
+/// Places in a scene from which people look, where most of the free space in its box is closed and tells more than what
+/// is seen from outside; none elsewhere.
 pub fn places_within(world: &World, backend: &dyn RayBackend) -> Vec<DVec3> {
-    let room = Room::of(world, backend, &[], DVec3::Y);
-    let places = room.places();
-    match is_closed(&places) {
-        true => (places.iter().filter(|place| place.1 >= CLOSED))
-            .map(|place| place.0)
-            .collect(),
-        false => Vec::new(),
-    }
+    let framing = Framing::default();
+    let room = Room::of(world, backend, &[], framing.up);
+    let view = (framing.around(&room)).and_then(|outside| framing.within(&room, &outside, false));
+    let view = view.ok().flatten().map(|(_, view)| view);
+    view.filter(|view| view.is_closed)
+        .map_or(Vec::new(), |view| view.places)
 }

@@ -12,12 +12,14 @@ use std::f64::consts::{PI, TAU};
 const AROUND: u32 = 64;
 /// A place is closed where so many of them meet fronts of surfaces, and half open where fewer do: a hall below a
 /// skylight.
-pub(super) const CLOSED: u32 = 58;
-pub(super) const HALF_OPEN: u32 = 36;
+const CLOSED: u32 = 58;
+const HALF_OPEN: u32 = 36;
 /// A place is inside of a solid where so many meet backs.
 const SOLID: u32 = 12;
 /// A view from another side is taken where it shows so many times as many of them.
 const BETTER: f64 = 1.25;
+/// What a view within a closed scene tells counts so many times against one from outside.
+const CUPBOARDS: f64 = 1.4;
 /// By how much the steeper views rise above the others, in radians: 25 degrees.
 const STEEPER: f64 = 25.0 * PI / 180.0;
 /// Rays across a picture by which one from inside and one from outside are compared.
@@ -30,13 +32,25 @@ const PAST: f32 = 1e-5;
 const BEFORE: f64 = 0.9;
 
 /// True where most of the free space is closed.
-pub(super) fn is_closed(places: &[Place]) -> bool {
+fn is_closed(places: &[Place]) -> bool {
     let closed = places.iter().filter(|place| place.1 >= CLOSED).count();
     closed >= 2 && 5 * closed >= 3 * places.len()
 }
 
 /// A place where there is room, and how many directions meet fronts there.
 type Place = (DVec3, u32);
+
+/// A view from within a scene.
+pub(super) struct Within {
+    /// Eye and look-at point.
+    pub through: [DVec3; 2],
+    /// How many times what it tells counts.
+    pub counts: f64,
+    /// Most of the free space is closed.
+    pub is_closed: bool,
+    /// The closed places.
+    pub places: Vec<DVec3>,
+}
 
 /// The scene as a place to look around in.
 pub(super) struct Room<'a> {
@@ -190,9 +204,26 @@ impl<'a> Room<'a> {
         (0..5 * 5 * 5).filter_map(place).collect()
     }
 
-    /// Eye and look-at point inside, where most of the free space is closed.
-    pub fn closed(&self, places: &[Place]) -> Option<[DVec3; 2]> {
-        is_closed(places).then(|| self.best(places, CLOSED))?
+    /// The view from within that shows most; `None` where no place is half open.
+    pub fn within(&self) -> Option<Within> {
+        let places = self.places();
+        let is_closed = is_closed(&places);
+        let least = if is_closed { CLOSED } else { HALF_OPEN };
+        let through = self.best(&places, least)?;
+        // A place counts by how much of it is roofed: a doll's house without a roof is looked at from above, a cave or
+        // a hall below a skylight is not. Nobody is to look at the outside of a closed scene, unless that tells far
+        // more: then what is closed are cupboards.
+        let counts = match is_closed {
+            true => CUPBOARDS,
+            false => self.roofed(through[0]),
+        };
+        let closed = places.iter().filter(|place| place.1 >= CLOSED);
+        Some(Within {
+            through,
+            counts,
+            is_closed,
+            places: closed.map(|place| place.0).collect(),
+        })
     }
 
     /// The share of the directions above the horizon of a place that meet fronts.

@@ -82,6 +82,41 @@ fn a_body_that_is_baked_from_outside_has_no_places_within() {
 }
 
 #[test]
+fn empty_cupboards_with_everything_before_them_are_looked_at_from_outside() {
+    // A block of shut compartments, with and without many small things before one of its walls.
+    let shut = |k: u32| {
+        let cell = Vec3::new((k % 4) as f32, (k / 4 % 3) as f32, (k / 12) as f32);
+        let size = Vec3::new(0.25, 1.0 / 3.0, 0.25);
+        let mut sides = room(6);
+        for side in &mut sides {
+            side.place = side.place.map(|at| at * size);
+            side.place[0] += cell * size * Vec3::new(8.0, 3.0, 6.0);
+        }
+        sides
+    };
+    let [x, y, z] = [Vec3::X * 8.0, Vec3::Y * 3.0, Vec3::Z * 6.0];
+    let doors = [[z * 1.01, x, y], [y * 1.01, z, x], [x * 1.01, y, z]].map(white);
+    let cupboards = || (0..48).flat_map(shut);
+    let things = (0..96).flat_map(|k| {
+        let [x, y] = [k % 12, k / 12].map(|at| at as f32);
+        block(
+            Vec3::new(0.66 * x, 0.37 * y, 6.2),
+            Vec3::new(0.3, 0.2, 0.3),
+            1,
+        )
+    });
+    // Without doors nothing but backs is to be seen from outside.
+    let full: Vec<_> = cupboards().chain(doors).chain(things).collect();
+    for (sheets, inside) in [(cupboards().collect(), true), (full, false)] {
+        let (world, backend) = world(&sheets);
+        let camera = FRAMING.fitted(&world, backend.as_ref(), &[], false);
+        assert_eq!(camera.unwrap().slope > 0.6, inside);
+        let places = places_within(&world, backend.as_ref());
+        assert_eq!(!places.is_empty(), inside);
+    }
+}
+
+#[test]
 fn a_hall_below_a_skylight_is_looked_at_from_inside() {
     // Three eighths of its ceiling are open.
     let [x, y, z] = [Vec3::X * 2.5, Vec3::Y * 3.0, Vec3::Z * 6.0];
