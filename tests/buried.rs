@@ -723,3 +723,46 @@ fn tops_of_boxes_that_are_level_but_for_rounding_take_no_light_from_each_other()
         }
     }
 }
+
+/// Three sheets that cross as walls in a corner. Much of each lies behind another, where a picture from outside shows
+/// it.
+#[test]
+fn what_lies_far_behind_a_wall_has_no_more_grain_than_what_is_seen() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("corner.obj");
+    let text = "o floor\nv -2 0 2\nv 2 0 2\nv 2 0 -2\nv -2 0 -2\nf 1 2 3 4\n\
+        o back\nv -2 -1 -1\nv 2 -1 -1\nv 2 3 -1\nv -2 3 -1\nf 5 6 7 8\n\
+        o left\nv -1 -1 2\nv -1 -1 -2\nv -1 3 -2\nv -1 3 2\nf 9 10 11 12\n";
+    std::fs::write(&path, text).expect("a file");
+    let flags = ["--size", "128", "--only", "diffuse,validity"];
+    let exact = bake(
+        &path,
+        &[&flags[..], &["--rays", "2048", "--denoise", "off"]].concat(),
+    )
+    .1;
+    let rms = |more: &[&str], is_seen: bool| {
+        let page = bake(&path, &[&flags[..], more].concat()).1;
+        let places = exact.plane("coverage").iter().zip(exact.plane("validity"));
+        let wanted = |(coverage, validity): (&f32, &f32)| {
+            *coverage > 0.0
+                && if is_seen {
+                    *validity == 1.0
+                } else {
+                    *validity == 0.0
+                }
+        };
+        let values = page.plane("diffuse").iter().zip(exact.plane("diffuse"));
+        let own = values.zip(places).filter(|(_, place)| wanted(*place));
+        let off: Vec<f32> = own
+            .map(|((value, exact), _)| (value - exact).powi(2))
+            .collect();
+        assert!(off.len() > 2000, "{} texels", off.len());
+        (off.iter().sum::<f32>() / off.len() as f32).sqrt()
+    };
+    let plain = rms(&["--rays", "64", "--denoise", "off"], false);
+    let denoised = rms(&["--rays", "64"], false);
+    assert!(denoised < 0.5 * plain, "{denoised} for {plain}");
+    // Those of a target are no fewer there.
+    let [hidden, seen] = [false, true].map(|seen| rms(&["--target-error", "0.004"], seen));
+    assert!(hidden < 0.02 && seen < 0.006, "{hidden}, {seen}");
+}

@@ -209,7 +209,8 @@ fn place(page: &mut BakedPage, origin: DVec3) {
 
 /// Denoises the terms that tiles integrated, over the surfaces of the page. Texels of which nothing can be seen have no
 /// part in that: they were carried on from noisy neighbours, and are carried on again, lest a rim of grain stays along
-/// every contact.
+/// every contact. Those too far from what is seen keep their own values and are denoised apart: a picture may show them
+/// from where nobody is thought to stand.
 fn denoise_terms(
     page: &mut BakedPage,
     terms: &[TermLayers],
@@ -219,9 +220,21 @@ fn denoise_terms(
 ) {
     let unseen = mends.then(|| Mends::of_unseen(&surface(page)));
     let texels = page.texels();
-    let regression = (options.denoise == Denoise::Regression)
-        .then(|| Denoiser::new(&field(page), seams.points()));
-    if regression.is_some() {
+    let hidden = hidden(page);
+    let denoisers: Vec<Denoiser<'_>> = match options.denoise {
+        Denoise::Regression => {
+            let field = field(page);
+            let hidden = hidden.as_deref().map(|hidden| Field {
+                validity: Some(hidden),
+                ..field
+            });
+            let apart = hidden.map(|hidden| Denoiser::new(&hidden, &[]));
+            let seen = Denoiser::new(&field, seams.points());
+            std::iter::once(seen).chain(apart).collect()
+        }
+        _ => Vec::new(),
+    };
+    if !denoisers.is_empty() {
         drop_unasked(page, options, is_place);
     }
     for &TermLayers {
@@ -235,18 +248,26 @@ fn denoise_terms(
             let channels = 0..layer.channels().len();
             channels.map(|channel| fact(page, layer, channel)).collect()
         };
-        let planes = Term {
+        let mut planes = Term {
             values: all(value),
-            halves: regression.as_ref().map_or(Vec::new(), |_| all(half)),
+            halves: match denoisers.is_empty() {
+                true => Vec::new(),
+                false => all(half),
+            },
             std_err: fact(page, std_err, 0),
             sealed: page.layer(Layer::Sealed),
             largest: if is_light(value) { f32::INFINITY } else { 1.0 },
             is_smooth: matches!(value, Layer::Diffuse | Layer::Visibility),
             crosses: !matches!(value, Layer::Specular | Layer::Reflection),
         };
-        let found = match &regression {
-            Some(denoiser) => denoiser.denoise(&planes),
-            None => oidn::denoise(&field(page), &planes),
+        let found = match &denoisers[..] {
+            [] => oidn::denoise(&field(page), &planes),
+            [seen, apart @ ..] => {
+                let mut found = seen.denoise(&planes);
+                planes.sealed = None;
+                found.extend(apart.iter().flat_map(|apart| apart.denoise(&planes)));
+                found
+            }
         };
         let values = page.planes_of(value);
         for (channel, plane) in values.chunks_mut(texels).enumerate() {
@@ -262,10 +283,20 @@ fn denoise_terms(
         let errors = page.planes_of(std_err);
         found.iter().for_each(|part| part.set_errors(errors));
     }
-    directional::denoise(page, regression.as_ref(), unseen.as_ref(), field);
+    directional::denoise(page, denoisers.first(), unseen.as_ref(), field);
     drop_unasked(page, options, |layer| {
         layer.is_of_halves() || layer == Layer::Sealed
     });
+}
+
+/// 1 at the covered texels of which nothing can be seen, 0 elsewhere; `None` where all can.
+fn hidden(page: &BakedPage) -> Option<Vec<f32>> {
+    let texels = fact(page, Layer::Coverage, 0)
+        .iter()
+        .zip(page.layer(Layer::Validity)?);
+    let hidden = texels.map(|(coverage, validity)| f32::from(*coverage > 0.0 && *validity == 0.0));
+    let hidden: Vec<f32> = hidden.collect();
+    hidden.contains(&1.0).then_some(hidden)
 }
 
 /// The texels of the page as the denoiser sees them.
