@@ -70,6 +70,24 @@ fn what_lies_under_a_mark_has_the_light_of_the_floor_without_it() {
 }
 
 #[test]
+fn a_mark_far_above_for_its_size_takes_no_light_where_that_is_asked_for() {
+    let folder = tempfile::tempdir().expect("a folder");
+    // A tenth of the mark's length above the floor.
+    let text = MARKED.replace(".001", ".2");
+    let path = obj(folder.path(), "newmtl mark\n", &text);
+    let mean = |under: &str| {
+        let layers = "diffuse,object,validity,position";
+        let small = ["--size", "64", "--rays", "64", "--only", layers];
+        let page = bake(&path, &[&small[..], &["--under", under]].concat()).1;
+        floor(&page, "diffuse")[1]
+    };
+    assert!(mean("0.1") < 0.5, "{}", mean("0.1"));
+    for under in ["0.21", "1"] {
+        assert!((mean(under) - 1.0).abs() < 1e-6, "{under}: {}", mean(under));
+    }
+}
+
+#[test]
 fn a_distance_below_zero_is_refused() {
     let refused = run(["bake", "scenes/plane.obj", "--under=-1"]);
     let said = String::from_utf8_lossy(&refused.stderr);

@@ -91,7 +91,7 @@ pub use mix::Mix;
 pub use obvhs_backend::ObvhsBackend;
 pub use part::Part;
 pub use point::{SurfacePoint, Surfaces};
-pub use solid::{Cover, Covers, NUDGE, Near, Rim, Solids};
+pub use solid::{Cover, Covering, Covers, NUDGE, Near, Rim, Solids};
 pub use surface::{Patch, PlaneErrors};
 pub use world::lit::above;
 pub use world::{World, WorldOptions};

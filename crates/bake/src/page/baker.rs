@@ -11,10 +11,10 @@ use crate::seams::Across;
 use atlas::{Atlas, PageRaster, Rasters};
 use layers::{Layer, Progress};
 use rayon::prelude::*;
-use rays::{PlaneErrors, RayBackend, Solids, World};
+use rays::{Covering, PlaneErrors, RayBackend, Solids, World};
 use std::convert::Infallible;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Instant;
 
 /// What tiles are handed to, one at a time, as each is finished.
@@ -30,6 +30,8 @@ pub struct Baker<'a> {
     pub(crate) errors: PlaneErrors,
     /// What buries samples; `None` where nothing can.
     pub(crate) solids: Option<&'a Solids>,
+    /// What covers what, where the options say how far above it.
+    pub(crate) covering: Option<Arc<Covering>>,
     /// What finished pages hold on seams that they share with others. Pages are finished in their order; one that is
     /// finished without those before it is not tied to them.
     across: Across,
@@ -49,12 +51,30 @@ impl<'a> Baker<'a> {
         atlas: &'a Atlas,
         options: &'a Options,
     ) -> Self {
+        let asked = options.under.filter(|&under| under > 0.0);
+        let covering = (asked.filter(|_| options.buried == Buried::Drop))
+            // What lies between once and twice as high covers by half.
+            .map(|under| Arc::new(world.solids().covering(2.0 * under)));
+        Self::covered(world, plan, backend, atlas, options, covering)
+    }
+
+    /// The same where what covers what is known.
+    pub(super) fn covered(
+        world: &'a World,
+        plan: &'a Plan,
+        backend: &'a dyn RayBackend,
+        atlas: &'a Atlas,
+        options: &'a Options,
+        covering: Option<Arc<Covering>>,
+    ) -> Self {
+        let covers = covering.as_ref().is_some_and(|of| !of.is_empty());
         let solids = match options.buried {
-            Buried::Drop => Some(world.solids()).filter(|solids| !solids.is_idle()),
+            Buried::Drop => Some(world.solids()).filter(|solids| covers || !solids.is_idle()),
             Buried::Keep => None,
         };
         Self {
             solids,
+            covering,
             world,
             plan,
             backend,

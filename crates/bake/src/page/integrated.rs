@@ -121,6 +121,7 @@ impl Baker<'_> {
             plan: self.plan,
             solids: self.solids,
             under: self.options.under,
+            covering: self.covering.as_deref(),
         }
     }
 

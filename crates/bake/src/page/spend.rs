@@ -163,7 +163,8 @@ impl Target {
             atlas,
             ..
         } = *baker;
-        let pilot = Baker::new(world, plan, backend, atlas, &options);
+        let covering = baker.covering.clone();
+        let pilot = Baker::covered(world, plan, backend, atlas, &options, covering);
         let _ = pilot.spent[number as usize].set(rays);
         let mut page = pilot.start(number);
         let Ok(_) = pilot.fill(&mut page, &(), &mut |_| Ok::<_, Infallible>(()));

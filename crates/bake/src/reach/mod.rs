@@ -148,11 +148,14 @@ impl<'a> Reach<'a> {
                 hasher.numbers(&rim.inward.to_array());
                 hasher.numbers(&[rim.at, rim.depth, rim.most]);
             }
-            let ground = self.ground(&part);
-            let covers = self
-                .baker
-                .solids
-                .and_then(|of| of.covers(instance, triangle, || f64::INFINITY));
+            let baker = self.baker;
+            let covers = baker.solids.and_then(|of| {
+                let covering = baker.covering.as_deref();
+                of.covers(covering, (instance, triangle), || f64::INFINITY)
+            });
+            // Rays may begin above what covers it.
+            let lift = covers.map_or(0.0, |covers| covers.above());
+            let ground = self.ground(&part, lift);
             let about = covers
                 .iter()
                 .flat_map(|covers| covers.about(ground.low, ground.high));
@@ -187,8 +190,8 @@ impl<'a> Reach<'a> {
         hasher.short()
     }
 
-    /// Where rays leave a part of a triangle.
-    fn ground(&self, part: &TilePart) -> Ground {
+    /// Where rays leave a part of a triangle, or begin at most `lift` above it.
+    fn ground(&self, part: &TilePart, lift: f64) -> Ground {
         let baker = self.baker;
         let patch = Patch::of(baker.world, &baker.errors, part.instance, part.triangle);
         let moved = |w: DVec3| (patch.kept(w) - w).abs().max_element();
@@ -216,7 +219,7 @@ impl<'a> Reach<'a> {
             low: low - slack,
             high: high + slack,
             plane: Some((up, least)),
-            distance: distance * (1.0 + SLACK) + slack,
+            distance: distance * (1.0 + SLACK) + slack + lift,
         }
     }
 }

@@ -360,7 +360,7 @@ mod tests {
             ] {
                 let world = marked(above, Some(thick));
                 let patch = Patch::of(&world, &rays::PlaneErrors::of(&world), 0, 0);
-                let covers = world.solids().covers(0, 0, || f64::INFINITY);
+                let covers = world.solids().covers(None, (0, 0), || f64::INFINITY);
                 let ends = Ends {
                     rims: &[],
                     covers,
@@ -408,7 +408,7 @@ mod tests {
         ] {
             let world = marked(above, None);
             let patch = Patch::of(&world, &rays::PlaneErrors::of(&world), 0, 0);
-            let covers = world.solids().covers(0, 0, || f64::INFINITY);
+            let covers = world.solids().covers(None, (0, 0), || f64::INFINITY);
             let ends = Ends {
                 rims: &[],
                 covers,

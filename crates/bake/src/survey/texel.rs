@@ -10,7 +10,8 @@ use ambient::sampling::Stream;
 use atlas::{Atlas, Footprint, Piece, Tile, triangle_uv};
 use glam::DVec3;
 use rays::{
-    Overrides, Patch, PhongMaterial, PlaneErrors, Rim, Solids, World, is_mapped, material_at,
+    Covering, Overrides, Patch, PhongMaterial, PlaneErrors, Rim, Solids, World, is_mapped,
+    material_at,
 };
 use std::ops::Range;
 use std::sync::Arc;
@@ -112,6 +113,8 @@ pub(crate) struct Surveyor<'a> {
     /// How far above a surface sheets may lie that take no light from it, see
     /// [`Options::under`](crate::Options::under).
     pub under: Option<f64>,
+    /// What covers what so far above it; `None` where `under` is.
+    pub covering: Option<&'a Covering>,
 }
 
 impl<'a> Surveyor<'a> {
@@ -213,7 +216,7 @@ impl<'a> Surveyor<'a> {
                     self.under
                         .unwrap_or(Rim::THIN * self.texel_edge(instance, triangle))
                 };
-                of.covers(instance, triangle, || 2.0 * under())
+                of.covers(self.covering, (instance, triangle), || 2.0 * under())
             }),
             under: self.under,
         }

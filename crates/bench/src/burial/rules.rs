@@ -55,7 +55,7 @@ fn ambake(scene: &Scene, point: &Point) -> bool {
     };
     let at = point.position;
     let covered = || {
-        let covers = solids.covers(instance, point.triangle, || f64::INFINITY)?;
+        let covers = solids.covers(None, (instance, point.triangle), || f64::INFINITY)?;
         let mut over = covers.over((at, at), (at, point.normal), TEXEL / 8.0);
         let holds = |cover: rays::Cover| {
             let ([a, b, c], least) = (cover.corners, cover.least);

@@ -12,7 +12,7 @@
 //! lies in the surface itself covers nothing either, for it takes no light from it.
 
 use super::Solids;
-use super::placed::{ABOUT, Placed, Sheet, box_corners};
+use super::placed::{ABOUT, Among, Placed, Sheet, box_corners, sheets_of};
 use super::topology::{Face, Surface, corners};
 use crate::boxes::Boxes;
 use crate::solid::NUDGE;
@@ -21,8 +21,8 @@ use rayon::prelude::*;
 use scene::Scene;
 use std::collections::HashMap;
 
-/// How far above a surface a layer may lie to be asked for, and how thick it may be, in sizes of the smaller of the two
-/// and of the layer.
+/// How far above a surface a layer may lie where nobody says how far, in sizes of the smaller of the two: between what
+/// is farther apart people may stand. And how thick a layer may be, in its own sizes.
 const ABOVE: f64 = ABOUT;
 /// The cosine of the angle between a surface and what covers it, at least.
 const ALONG: f64 = 0.95;
@@ -92,11 +92,25 @@ impl Side {
 
 /// What may cover a surface.
 #[derive(Debug, Default)]
-pub(super) struct Layers {
+struct Layers {
     layers: Vec<Layer>,
     /// How far above it they lie at most.
     above: f64,
     boxes: Boxes,
+}
+
+/// What covers what in a scene, see [`Solids::covering`].
+#[derive(Debug, Default)]
+pub struct Covering {
+    /// By placement and number of what is covered.
+    of: HashMap<(u32, u32), Layers>,
+}
+
+impl Covering {
+    /// True where nothing covers anything.
+    pub fn is_empty(&self) -> bool {
+        self.of.is_empty()
+    }
 }
 
 /// What may cover the surface of a triangle.
@@ -107,6 +121,11 @@ pub struct Covers<'a> {
 }
 
 impl Covers<'_> {
+    /// How far above the surface they lie at most, in scene units.
+    pub fn above(&self) -> f64 {
+        self.layers.above
+    }
+
     /// The triangles that may cover something in a box.
     pub fn about(&self, low: DVec3, high: DVec3) -> impl Iterator<Item = [DVec3; 3]> {
         let all = self.within(low, high, self.layers.above);
@@ -164,17 +183,26 @@ impl Covers<'_> {
 }
 
 impl Solids {
-    /// What may cover a triangle; `None` where nothing is `within` so far of it, in scene units, that does.
-    pub fn covers(
-        &self,
-        instance: u32,
-        triangle: u32,
+    /// What covers what where layers lie at most so far above a surface, in scene units, or a 32nd of the smaller of
+    /// the two.
+    pub fn covering(&self, above: f64) -> Covering {
+        let placed = self.placed_surfaces();
+        self.find_covers(&Among::of(placed.iter().collect()), above)
+    }
+
+    /// What may cover a triangle of all that does in `asked`, or, where that is `None`, of what lies at most a 32nd of
+    /// the smaller of the two above a surface; `None` where nothing is `within` so far of it, in scene units, that does.
+    pub fn covers<'a>(
+        &'a self,
+        asked: Option<&'a Covering>,
+        (instance, triangle): (u32, u32),
         within: impl FnOnce() -> f64,
-    ) -> Option<Covers<'_>> {
-        if self.covers.is_empty() {
+    ) -> Option<Covers<'a>> {
+        let covering = asked.unwrap_or(&self.covers);
+        if covering.is_empty() {
             return None;
         }
-        let layers = self.covers.get(&self.surface_key(instance, triangle))?;
+        let layers = covering.of.get(&self.surface_key(instance, triangle))?;
         let covers = Covers {
             solids: self,
             layers,
@@ -187,17 +215,19 @@ impl Solids {
         near.next().is_some().then_some(covers)
     }
 
-    pub(super) fn find_covers(
-        &self,
-        placed: &[Placed],
-        sheets: &[Sheet],
-    ) -> HashMap<(u32, u32), Layers> {
+    /// As [`Self::covering`].
+    pub(super) fn find_covers(&self, all: &Among, least: f64) -> Covering {
+        let placed = &all.placed;
+        let is_layer = |surface: &Surface| surface.is_layer(&self.scene);
+        let sheets = sheets_of(all, is_layer, least);
+        let above = |layer: &Placed, other: &Placed| above(layer, other).max(least);
         let of = |sheet: &Sheet| {
-            let near = sheet.near.iter().map(|&other| &placed[other as usize]);
-            let sheet = &placed[sheet.place];
-            let covered = near.filter(|other| self.lies_under(sheet, other));
+            let near = sheet.near.iter().map(|&other| placed[other as usize]);
+            let sheet = placed[sheet.place];
+            let found = near.map(|other| (other, above(sheet, other)));
+            let covered = found.filter(|&(other, above)| self.lies_under(sheet, other, above));
             let covered: Vec<_> = covered
-                .map(|other| (other.key, sheet, above(sheet, other)))
+                .map(|(other, above)| (other.key, sheet, above))
                 .collect();
             covered
         };
@@ -221,12 +251,11 @@ impl Solids {
             let numbered = (0..).zip(boxes);
             of.boxes = Boxes::of(numbered.map(|(number, (low, high))| (number, low, high)));
         }
-        covers
+        Covering { of: covers }
     }
 
-    /// True where a face of a surface lies closely behind one of a layer, and looks along it.
-    fn lies_under(&self, layer: &Placed, other: &Placed) -> bool {
-        let slack = above(layer, other);
+    /// True where a face of a surface lies at most `slack` behind one of a layer, and looks along it.
+    fn lies_under(&self, layer: &Placed, other: &Placed, slack: f64) -> bool {
         let faces = |of: &Placed, low: DVec3, high: DVec3| {
             let key = (of.shape, of.key.1);
             self.faces_about(key, &of.transform, &of.inverse, (low - slack, high + slack))
@@ -286,7 +315,7 @@ impl Surface {
     }
 }
 
-/// How far above a surface a layer may lie.
+/// How far above a surface a layer may lie where nobody says how far.
 fn above(layer: &Placed, other: &Placed) -> f64 {
     ABOVE * layer.size().min(other.size())
 }
@@ -332,7 +361,7 @@ mod tests {
             let world = world(scene);
             let at = place.transform_point3(DVec3::new(0.01, 0.0, 0.02));
             let up = place.transform_vector3(DVec3::Y);
-            let covers = world.solids().covers(0, triangle, || f64::INFINITY);
+            let covers = world.solids().covers(None, (0, triangle), || f64::INFINITY);
             let is_over = |of: &Cover| (of.least..=above).contains(&(of.corners[0] - at).dot(up));
             let over = |covers: Covers| {
                 covers
@@ -359,6 +388,25 @@ mod tests {
         assert_eq!(over(vec![floor(), plate], false, 0, 0.01), [0; 3]);
         // A mark that is cut out is one too.
         assert_eq!(over(vec![floor(), mark(0.001)], true, 0, 0.01), [2; 3]);
+    }
+
+    #[test]
+    fn a_layer_lies_as_far_above_as_it_is_asked_to() {
+        // A sheet as long as 1, of which a 32nd is 0.03125.
+        let meshes = || vec![level(0.0, 1.5, true), level(0.05, 0.5, true)];
+        assert_eq!(over(meshes(), false, 0, 1.0), [0; 3]);
+        let placed = [0, 1].map(|mesh| (mesh, DAffine3::IDENTITY));
+        let world = world(placed_scene(meshes(), &placed));
+        let solids = world.solids();
+        for (asked, count) in [(0.0, 0), (0.049, 0), (0.051, 2), (10.0, 2)] {
+            let covering = solids.covering(asked);
+            let covers = solids.covers(Some(&covering), (0, 0), || f64::INFINITY);
+            let found = covers.map_or(0, |covers| {
+                let (at, up) = (DVec3::ZERO, DVec3::Y);
+                covers.over((at, at), (at, up), asked).count()
+            });
+            assert_eq!(found, count, "{asked}");
+        }
     }
 
     #[test]
@@ -394,7 +442,7 @@ mod tests {
                 (of.least..=above).contains(&height) && sides.into_iter().all(is_in)
             };
             (0..triangles).any(|triangle| {
-                let covers = world.solids().covers(0, triangle, || f64::INFINITY);
+                let covers = world.solids().covers(None, (0, triangle), || f64::INFINITY);
                 covers.is_some_and(|covers| covers.over((at, at), (at, up), above).any(is_over))
             })
         };

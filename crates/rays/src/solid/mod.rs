@@ -42,8 +42,7 @@ mod tree;
 mod wound;
 
 use crate::boxes::Boxes;
-use covers::Layers;
-pub use covers::{Cover, Covers};
+pub use covers::{Cover, Covering, Covers};
 use glam::{DAffine3, DVec3, Vec3};
 pub use near::Near;
 use placed::{box_corners, placed_box};
@@ -119,7 +118,7 @@ pub struct Solids {
     /// What sheets cut off from placements' surfaces.
     rims: HashMap<(u32, u32), Vec<Rim>>,
     /// What may cover placements' surfaces.
-    covers: HashMap<(u32, u32), Layers>,
+    covers: Covering,
 }
 
 impl Solids {
@@ -210,7 +209,7 @@ impl Solids {
             cavities: Boxes::default(),
             longest: 0.0,
             rims: HashMap::new(),
-            covers: HashMap::new(),
+            covers: Covering::default(),
         };
         solids.classify();
         solids.shut();

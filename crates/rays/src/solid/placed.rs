@@ -125,11 +125,15 @@ pub(super) struct Sheet {
 /// surfaces near them are no more than so many for each surface of the scene: a time and a memory that grow with the
 /// scene, not with its square.
 pub(super) fn sheets(all: &Among) -> Vec<Sheet> {
-    sheets_of(all, |surface| surface.front.is_some())
+    sheets_of(all, |surface| surface.front.is_some(), 0.0)
 }
 
-/// The same with what else is taken for a sheet.
-pub(super) fn sheets_of(all: &Among, is_sheet: impl Fn(&Surface) -> bool) -> Vec<Sheet> {
+/// The same with what else is taken for a sheet, and all that comes `within` so far of it, if that is more.
+pub(super) fn sheets_of(
+    all: &Among,
+    is_sheet: impl Fn(&Surface) -> bool,
+    within: f64,
+) -> Vec<Sheet> {
     let placed = &all.placed;
     let is_sheet = |&place: &usize| is_sheet(placed[place].surface);
     let mut places: Vec<usize> = (0..placed.len()).filter(is_sheet).collect();
@@ -143,7 +147,7 @@ pub(super) fn sheets_of(all: &Among, is_sheet: impl Fn(&Surface) -> bool) -> Vec
     let mut found = Vec::new();
     for place in places {
         let sheet = placed[place];
-        let slack = ABOUT * sheet.size();
+        let slack = within.max(ABOUT * sheet.size());
         let mut near = Vec::new();
         let is_too_much = all
             .boxes

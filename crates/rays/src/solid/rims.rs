@@ -7,8 +7,8 @@
 //! as a floor below the walls of a room, look-ups before the wall read a rim of up to a whole texel.
 
 use super::Solids;
-use super::covers::Layers;
-use super::placed::{Among, CROSSES, Placed, box_corners, most_meetings, sheets_of};
+use super::covers::Covering;
+use super::placed::{Among, CROSSES, Placed, box_corners, most_meetings};
 use super::topology::{Face, corners};
 use crate::solid::NUDGE;
 use glam::DVec3;
@@ -130,12 +130,11 @@ impl Solids {
         self.rims.get(&key).map_or(&[], Vec::as_slice)
     }
 
-    pub(super) fn rims_and_covers(&self) -> (Rims, HashMap<Key, Layers>) {
+    pub(super) fn rims_and_covers(&self) -> (Rims, Covering) {
         let placed = self.placed_surfaces();
         let all = Among::of(placed.iter().collect());
         let rims = self.find_rims(&all);
-        let sheets = sheets_of(&all, |surface| surface.is_layer(&self.scene));
-        (rims, self.find_covers(&placed, &sheets))
+        (rims, self.find_covers(&all, 0.0))
     }
 
     fn find_rims(&self, all: &Among) -> Rims {
