@@ -115,7 +115,8 @@ fn single(word: &str) -> Option<f32> {
 fn parsed(input: &mut Input, path: &Path, bytes: &[u8]) -> Vec<Statements> {
     let mut materials: Vec<Statements> = Vec::new();
     let mut ignored = 0;
-    let lines = without_mark(bytes).split(|byte| b"\n\r".contains(byte));
+    // Files that were put together may hold a mark in the middle.
+    let lines = bytes.split(|byte| b"\n\r".contains(byte)).map(without_mark);
     for line in lines.map(text_of) {
         let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((&line, ""));
         let rest = rest.trim_ascii();

@@ -291,6 +291,14 @@ fn a_byte_order_mark_is_no_part_of_the_first_line() {
         1
     );
     let text = format!("\u{feff}mtllib a.mtl\nusemtl m\n{TRIANGLE}f 1 2 3\n");
+    let joined =
+        "\u{feff}newmtl first\n\u{feff}# another\n\u{feff}newmtl m\n\u{feff}Kd 0.5 0.5 0.5\n";
+    folder.write("a.mtl", joined);
+    let scene = folder.load("d.obj", &text).unwrap();
+    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+    let own = scene.meshes[0].material as usize;
+    assert_eq!(scene.materials[own].name, "m");
+    folder.write("a.mtl", "\u{feff}newmtl m\nKd 0.5 0.5 0.5\n");
     let scene = folder.load("a.obj", text).unwrap();
     assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
     assert_eq!(scene.materials[0].name, "m");
