@@ -106,6 +106,17 @@ pub(crate) fn scene(mut input: Input, format: Format, mut parts: Parts) -> Resul
 ///
 /// `place` names mesh and primitive. Positions, normals and UVs have the same length, or normals are empty.
 pub(crate) fn mesh(input: &mut Input, mesh: &mut Mesh, place: &str) -> Result<bool, Error> {
+    faces(input, mesh, place, |_| false)
+}
+
+/// The same for faces that were cut into triangles: `goes_on` is true for the number of a triangle that is of the face
+/// that the one before is of.
+pub(crate) fn faces(
+    input: &mut Input,
+    mesh: &mut Mesh,
+    place: &str,
+    goes_on: impl Fn(usize) -> bool,
+) -> Result<bool, Error> {
     let vertices = mesh.positions.len();
     if let Some(t) = mesh
         .triangles
@@ -119,7 +130,7 @@ pub(crate) fn mesh(input: &mut Input, mesh: &mut Mesh, place: &str) -> Result<bo
         return Err(input.invalid(place, problem));
     }
     bad_positions(input, mesh, place)?;
-    zero_areas(input, mesh, place);
+    zero_areas(input, mesh, place, goes_on);
     if mesh.triangles.is_empty() {
         input.warn(
             WarningKind::EmptyMeshes,
@@ -214,13 +225,24 @@ fn area_vector(positions: &[Vec3], triangle: [u32; 3]) -> DVec3 {
     (b - a).cross(c - a)
 }
 
-fn zero_areas(input: &mut Input, mesh: &mut Mesh, place: &str) {
+/// Drops triangles without an area. Where a face has one all the same, it was cut so because corners of it are in line
+/// or coincide, and is nobody's fault; the others count.
+fn zero_areas(input: &mut Input, mesh: &mut Mesh, place: &str, goes_on: impl Fn(usize) -> bool) {
     let positions = &mesh.positions;
     let flat = |t: &[u32; 3]| area_vector(positions, *t) == DVec3::ZERO;
     let count = mesh.triangles.iter().filter(|t| flat(t)).count();
     if count == 0 {
         return;
     }
+    let (mut faces, mut is_flat) = (0, false);
+    for (number, triangle) in mesh.triangles.iter().enumerate() {
+        if !goes_on(number) {
+            faces += u64::from(is_flat);
+            is_flat = true;
+        }
+        is_flat &= flat(triangle);
+    }
+    faces += u64::from(is_flat);
     let mut source = Vec::with_capacity(mesh.triangles.len() - count);
     let mut number = 0..mesh.triangles.len() as u32;
     mesh.triangles.retain(|triangle| {
@@ -233,8 +255,8 @@ fn zero_areas(input: &mut Input, mesh: &mut Mesh, place: &str) {
     input.warn(
         WarningKind::ZeroAreaTriangles,
         place,
-        count as u64,
-        "triangles without an area are dropped",
+        faces,
+        "faces without an area are dropped",
     );
 }
 

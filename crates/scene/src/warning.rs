@@ -108,7 +108,7 @@ pub enum WarningKind {
     UnusedBadVertices,
     /// glTF: UV sets after a missing number are left out.
     UvSetsAfterAGap,
-    /// Triangles of zero area (exactly, in f64) are dropped.
+    /// Faces of zero area (exactly, in f64) are dropped: triangles, and polygons of which every triangle is such a one.
     ZeroAreaTriangles,
 }
 

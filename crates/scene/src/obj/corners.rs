@@ -24,6 +24,27 @@ pub(super) struct Corners {
     newest: Vec<u32>,
     all: Vec<Corner>,
     triangles: Vec<Vec<[u32; 3]>>,
+    faces: Vec<Faces>,
+}
+
+/// Which triangles of a part are of the face that the one before them is of: a bit each.
+#[derive(Default)]
+pub(super) struct Faces(Vec<u64>);
+
+impl Faces {
+    /// True for a triangle, by its number, that goes on with the face of the one before.
+    pub fn goes_on(&self, triangle: usize) -> bool {
+        let word = self.0.get(triangle / 64);
+        word.is_some_and(|word| word >> (triangle % 64) & 1 == 1)
+    }
+
+    fn go_on(&mut self, triangle: usize) {
+        let word = triangle / 64;
+        if self.0.len() <= word {
+            self.0.resize(word + 1, 0);
+        }
+        self.0[word] |= 1 << (triangle % 64);
+    }
 }
 
 impl Corners {
@@ -55,17 +76,24 @@ impl Corners {
         Some(number)
     }
 
-    /// Adds a triangle to a part; its corners were inserted for the same part.
-    pub fn add(&mut self, part: u32, triangle: [u32; 3]) {
+    /// Adds the triangles of a face to a part; its corners were inserted for the same part.
+    pub fn add(&mut self, part: u32, face: impl Iterator<Item = [u32; 3]>) {
         let part = part as usize;
         if part >= self.triangles.len() {
             self.triangles.resize_with(part + 1, Vec::new);
+            self.faces.resize_with(part + 1, Faces::default);
         }
-        self.triangles[part].push(triangle);
+        let triangles = &mut self.triangles[part];
+        let first = triangles.len();
+        triangles.extend(face);
+        for further in first + 1..triangles.len() {
+            self.faces[part].go_on(further);
+        }
     }
 
-    /// The corners in the order of their vertices within each of `parts` parts, and each part's triangles.
-    pub fn into_vertices(mut self, parts: usize) -> (Vec<Corner>, Vec<Vec<[u32; 3]>>) {
+    /// The corners in the order of their vertices within each of `parts` parts, each part's triangles, and which of
+    /// them are of one face.
+    pub fn into_vertices(mut self, parts: usize) -> (Vec<Corner>, Vec<Vec<[u32; 3]>>, Vec<Faces>) {
         self.newest = Vec::new();
         let mut counts = vec![0; parts];
         for corner in &mut self.all {
@@ -76,6 +104,7 @@ impl Corners {
         for index in self.triangles.iter_mut().flatten().flatten() {
             *index = self.all[*index as usize].link;
         }
-        (self.all, self.triangles)
+        self.faces.resize_with(parts, Faces::default);
+        (self.all, self.triangles, self.faces)
     }
 }

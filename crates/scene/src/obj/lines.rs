@@ -269,11 +269,9 @@ impl State {
             // The corner's number takes the place of its position.
             corner[0] = self.file.corners.insert(part, *corner).ok_or_else(full)?;
         }
-        for triangle in &self.triangles {
-            self.file
-                .corners
-                .add(part, triangle.map(|i| self.face[i][0]));
-        }
+        let triangles = self.triangles.iter();
+        let numbered = triangles.map(|triangle| triangle.map(|i| self.face[i][0]));
+        self.file.corners.add(part, numbered);
         Ok(())
     }
 

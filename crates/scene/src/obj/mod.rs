@@ -16,7 +16,7 @@ mod polygon;
 use crate::input::{Input, kept_name};
 use crate::validate::{self, Parts};
 use crate::{Error, Instance, Material, Mesh, MeshOrigin, WarningKind, far};
-use corners::{Corners, NONE};
+use corners::{Corners, Faces, NONE};
 use glam::{DAffine3, DVec3, Vec2, Vec3};
 use std::collections::HashMap;
 
@@ -62,7 +62,8 @@ pub(crate) fn load(input: &mut Input) -> Result<Parts, Error> {
     };
     let mut materials = HashMap::new();
     let home = far::home(far::samples(file.positions.len()).map(|v| file.positions[v]));
-    for (mesh, part) in meshes(input, &mut file, home).into_iter().zip(&file.parts) {
+    let (meshes, faces) = meshes(input, &mut file, home);
+    for ((mesh, faces), part) in meshes.into_iter().zip(faces).zip(&file.parts) {
         let name = &file.materials[part.1 as usize];
         let material = match materials.get(name) {
             Some(&known) => known,
@@ -70,7 +71,7 @@ pub(crate) fn load(input: &mut Input) -> Result<Parts, Error> {
                 .entry(name)
                 .or_insert(index_of(input, &mut parts, name)),
         };
-        add(input, &mut parts, Mesh { material, ..mesh }, home)?;
+        add(input, &mut parts, Mesh { material, ..mesh }, &faces, home)?;
     }
     if parts.materials.is_empty() {
         parts.materials.push(Material::untinted("none"));
@@ -100,9 +101,15 @@ fn text_of(bytes: &[u8]) -> String {
     text.unwrap_or_else(|_| bytes.iter().map(|&byte| char::from(byte)).collect())
 }
 
-fn add(input: &mut Input, parts: &mut Parts, mut mesh: Mesh, home: DVec3) -> Result<(), Error> {
+fn add(
+    input: &mut Input,
+    parts: &mut Parts,
+    mut mesh: Mesh,
+    faces: &Faces,
+    home: DVec3,
+) -> Result<(), Error> {
     let place = format!("part {} `{}`", mesh.origin.mesh, mesh.name);
-    if validate::mesh(input, &mut mesh, &place)? {
+    if validate::faces(input, &mut mesh, &place, |triangle| faces.goes_on(triangle))? {
         parts.instances.push(Instance::new(
             mesh.name.clone(),
             parts.meshes.len() as u32,
@@ -113,11 +120,11 @@ fn add(input: &mut Input, parts: &mut Parts, mut mesh: Mesh, home: DVec3) -> Res
     Ok(())
 }
 
-/// One mesh a part, material not yet set, whose coordinates count from `home`. Takes the corners and the vertex
-/// data out of `file`.
-fn meshes(input: &mut Input, file: &mut File, home: DVec3) -> Vec<Mesh> {
+/// One mesh a part, material not yet set, whose coordinates count from `home`, and which of its triangles are of one
+/// face. Takes the corners and the vertex data out of `file`.
+fn meshes(input: &mut Input, file: &mut File, home: DVec3) -> (Vec<Mesh>, Vec<Faces>) {
     let mut meshes: Vec<Mesh> = Vec::with_capacity(file.parts.len());
-    let (corners, mut triangles) =
+    let (corners, mut triangles, faces) =
         std::mem::take(&mut file.corners).into_vertices(file.parts.len());
     for (i, (name, _)) in file.parts.iter().enumerate() {
         let mut kept = std::mem::take(&mut triangles[i]);
@@ -182,5 +189,5 @@ fn meshes(input: &mut Input, file: &mut File, home: DVec3) -> Vec<Mesh> {
         }
     }
     (file.positions, file.colors, file.uvs, file.normals) = Default::default();
-    meshes
+    (meshes, faces)
 }

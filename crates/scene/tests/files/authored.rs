@@ -261,7 +261,7 @@ fn a_scene_without_a_triangle_is_refused_with_what_was_ignored() {
         m.triangles.clear()
     });
     refused(
-        "; triangles without an area are dropped; the mesh has no",
+        "; faces without an area are dropped; the mesh has no",
         |m, _| m.triangles = vec![[0, 1, 1]],
     );
     refused("; the transform has no inverse", |m, _| {

@@ -48,7 +48,7 @@ fn files_that_are_none() {
     refused(folder.load("a.obj", "# nothing\n"), "no triangle");
     refused(
         folder.load("a.obj", "v 1 1 1\nv 1 1 1\nf 1 2 1\n"),
-        "; triangles without an area are dropped",
+        "; faces without an area are dropped",
     );
 }
 

@@ -236,6 +236,28 @@ fn junk_is_dropped_with_the_numbers_of_what_is_left() {
 }
 
 #[test]
+fn faces_without_an_area_are_counted_and_not_triangles_that_a_polygon_was_cut_into() {
+    // A square with corners in the middle of its sides and one twice, a square of four corners in line, a triangle
+    // between coincident ones, and one that is sound.
+    let corners = "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 2 1 0\nv 2 2 0\nv 1 2 0\nv 0 2 0\nv 0 1 0\n";
+    let outlines = "f 1 2 3 4 5 6 7 8\nf 1 3 3 5 7\n";
+    let sound = load(&format!("{corners}{outlines}"));
+    assert!(sound.warnings.is_empty(), "{:?}", sound.warnings);
+    let twice: f32 = (sound.meshes[0].triangles.iter())
+        .map(|t| t.map(|k| sound.meshes[0].positions[k as usize]))
+        .map(|[a, b, c]| (b - a).cross(c - a).length())
+        .sum();
+    assert_eq!(twice, 16.0);
+    let scene = load(&format!(
+        "{corners}f 1 2 3 2\n{outlines}f 1 2 2\nf 1 2 3\nf 1 3 5\n"
+    ));
+    assert_eq!(scene.warned(WarningKind::ZeroAreaTriangles), 3);
+    let mesh = &scene.meshes[0];
+    assert_eq!(mesh.source_triangles.len(), mesh.triangles.len());
+    assert_eq!(mesh.source_triangles.last(), Some(&13));
+}
+
+#[test]
 fn the_hash_covers_every_file_read() {
     let folder = Folder::new();
     let text = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3";
