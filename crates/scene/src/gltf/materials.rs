@@ -162,6 +162,29 @@ fn material(
              of 0 (Metallic 0 in Blender) unless it is one"
         },
     );
+    // What a coat reflects does not reach what it covers: that is black under a mirror, as a metal is.
+    let coat = gloss.map_or(dielectric, |(specular, _)| specular);
+    let is_mirror = coat.max_element() >= 1.0 && !is_metal;
+    let says_coat = glossy.get("specularGlossinessTexture").is_some();
+    reader.input.warn(
+        WarningKind::BlackMetals,
+        place.as_str(),
+        u64::from(is_mirror && !says_coat),
+        match (is_glossy, glossy.get("specularFactor").is_some()) {
+            (true, false) => {
+                "without a specularFactor it is 1, 1, 1 by KHR_materials_pbrSpecularGlossiness: a mirror, so its albedo and `lambert` are \
+                 black; give it a specularFactor of 0.04, 0.04, 0.04 unless it is one"
+            }
+            (true, true) => {
+                "a mirror by its specularFactor, which is 1 in a channel, so its albedo and `lambert` are black; give it a specularFactor \
+                 of 0.04, 0.04, 0.04 unless it is one"
+            }
+            (false, _) => {
+                "a mirror by KHR_materials_ior and KHR_materials_specular, so its albedo and `lambert` are black; give it an ior of 1.5 \
+                 unless it is one"
+            }
+        },
+    );
     let transmission = (transmitted > 0.0).then(|| Transmission {
         factor: transmitted,
         map: picture(&mut reader, transmission, "transmissionTexture"),

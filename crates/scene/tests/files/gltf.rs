@@ -577,7 +577,12 @@ fn specular_glossiness_and_transmission_are_read_with_their_textures() {
         { "pbrMetallicRoughness": { "metallicFactor": 0 }, "extensions": { "KHR_materials_transmission": {} } },
     ]));
     let scene = document.load().unwrap();
-    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+    // The second is a mirror.
+    let warned = scene.warnings.iter().map(|w| (w.kind, w.place.as_str()));
+    assert_eq!(
+        warned.collect::<Vec<_>>(),
+        [(WarningKind::BlackMetals, "material `material 1`")]
+    );
     let Surface::SpecularGlossiness {
         diffuse,
         diffuse_map: Some(_),
@@ -653,6 +658,50 @@ fn black_metals_are_told_of_by_what_the_file_says() {
             "{}",
             warnings[0].message
         );
+    }
+}
+
+#[test]
+fn mirrors_are_told_of_as_metals_with_what_makes_them_other() {
+    let warnings = |material: &Value| {
+        let mut document = Document::triangle();
+        document.json["materials"] = json!([material]);
+        document.primitive()["material"] = json!(0);
+        document.load().unwrap().warnings
+    };
+    let glossy = |of: Value| json!({ "extensions": { "KHR_materials_pbrSpecularGlossiness": of } });
+    let with_ior = |metallic: f64, ior: f64| {
+        json!({ "pbrMetallicRoughness": { "metallicFactor": metallic },
+                "extensions": { "KHR_materials_ior": { "ior": ior } } })
+    };
+    let diffuse = [0.6, 0.5, 0.4, 1.0];
+    for (mirror, says, cure) in [
+        (
+            glossy(json!({ "diffuseFactor": diffuse })),
+            "without a specularFactor",
+            "specularFactor of 0.04",
+        ),
+        (
+            glossy(json!({ "specularFactor": [0.2, 1.0, 0.0] })),
+            "by its specularFactor",
+            "specularFactor of 0.04",
+        ),
+        (with_ior(0.0, 0.0), "by KHR_materials_ior", "an ior of 1.5"),
+    ] {
+        let warnings = warnings(&mirror);
+        let kinds: Vec<_> = warnings.iter().map(|warning| warning.kind).collect();
+        assert_eq!(kinds, [WarningKind::BlackMetals], "{warnings:?}");
+        let message = &warnings[0].message;
+        assert!(
+            message.contains(says) && message.contains(cure),
+            "{message}"
+        );
+    }
+    for other in [
+        glossy(json!({ "specularFactor": [0.04, 0.04, 0.04] })),
+        with_ior(0.0, 1.5),
+    ] {
+        assert!(warnings(&other).is_empty(), "{other}");
     }
 }
 
