@@ -229,7 +229,7 @@ pub(crate) fn uri(text: &str) -> Result<Uri, String> {
     if let Some(rest) = text.strip_prefix("data:") {
         let (head, body) = rest
             .split_once(',')
-            .ok_or("data URI without a comma; export the file again")?;
+            .ok_or("data URI without a comma; it must be `data:TYPE;base64,CONTENT`")?;
         if !head.ends_with(";base64") {
             return Ok(Uri::Data(percent_decode_str(body).collect()));
         }
@@ -237,9 +237,9 @@ pub(crate) fn uri(text: &str) -> Result<Uri, String> {
         let config =
             GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent);
         let engine = GeneralPurpose::new(&base64::alphabet::STANDARD, config);
-        let bytes = engine
-            .decode(body)
-            .map_err(|e| format!("data URI is not base64 ({e}); export the file again"))?;
+        let bytes = engine.decode(body).map_err(|e| {
+            format!("data URI is not base64 ({e}); the file is damaged, copy or export it again")
+        })?;
         return Ok(Uri::Data(bytes));
     }
     let local = text
@@ -256,7 +256,7 @@ pub(crate) fn uri(text: &str) -> Result<Uri, String> {
         .decode_utf8()
         .map_err(|_| "file name is not UTF-8; rename the file")?;
     if name.is_empty() || name.contains('\0') {
-        return Err("empty or broken file name; export the file again".into());
+        return Err("its uri is empty or holds a zero byte, and must be the name of a file".into());
     }
     Ok(Uri::File(name.into_owned()))
 }

@@ -24,8 +24,12 @@ impl GltfDocument {
         let (kind, count) = (elements.kind, elements.count);
         let named = |problem: String| Err(format!("accessor {index}: {problem}"));
         if !types.contains(&kind) {
+            let word = |kind: &Type| format!("{kind:?}").to_uppercase();
+            let words: Vec<String> = types.iter().map(word).collect();
             return named(format!(
-                "{kind:?} where {types:?} is expected; export the file again"
+                "its type is {}, and must be {} for this use",
+                word(&kind),
+                words.join(" or ")
             ));
         }
         // Zeros cost no byte in the file, so their number needs a bound of its own.
@@ -75,8 +79,14 @@ impl GltfDocument {
     }
 
     fn opened(&self, accessor: &Value) -> Result<Elements<'_>, String> {
-        let component = component(accessor).ok_or("unknown type; export the file again")?;
-        let kind = kind(accessor).ok_or("unknown type; export the file again")?;
+        let component = component(accessor).ok_or_else(|| {
+            let said = shown(accessor, "componentType");
+            format!("its componentType is {said}, and must be one of 5120 to 5123, 5125 and 5126")
+        })?;
+        let kind = kind(accessor).ok_or_else(|| {
+            let said = shown(accessor, "type");
+            format!("its type is {said}, and must be SCALAR, VEC2, VEC3, VEC4, MAT2, MAT3 or MAT4")
+        })?;
         let size = element_size(kind, component);
         let count = number(accessor, "count").unwrap_or(usize::MAX);
         let base = match stated(accessor, "bufferView")? {
@@ -124,7 +134,12 @@ impl GltfDocument {
             Some(ComponentType::U8) => 1,
             Some(ComponentType::U16) => 2,
             Some(ComponentType::U32) => 4,
-            _ => return Err("unknown type of sparse indices; export the file again".into()),
+            _ => {
+                return Err(format!(
+                    "the componentType of its sparse indices is {}, and must be 5121, 5123 or 5125",
+                    shown(&sparse["indices"], "componentType")
+                ));
+            }
         };
         let (bytes, replaced) = part("indices", width)?;
         let numbers: Vec<u32> = bytes
@@ -156,13 +171,19 @@ pub(super) fn stated(json: &Value, key: &str) -> Result<Option<usize>, String> {
     let stated = value.map(|value| {
         let other = || {
             format!(
-                "{key} is {}; export the file again",
+                "{key} is {}, and must be a whole number from 0 on",
                 short(&value.to_string())
             )
         };
         index(value).ok_or_else(other)
     });
     stated.transpose()
+}
+
+/// What stands under a key, for messages that say what must.
+pub(super) fn shown(json: &Value, key: &str) -> String {
+    let value = json.get(key);
+    value.map_or_else(|| "absent".into(), |value| short(&value.to_string()))
 }
 
 /// As [`number`], of the value itself.

@@ -61,7 +61,7 @@ pub(super) fn chunks(bytes: &[u8]) -> Result<Chunks, (String, String)> {
     let missing = || {
         (
             "GLB chunk at byte 12".to_string(),
-            "the first chunk is not JSON; export the file again".into(),
+            "the first chunk is not JSON; the file is damaged, copy or export it again".into(),
         )
     };
     json.map(|json| Chunks { json, bin }).ok_or_else(missing)

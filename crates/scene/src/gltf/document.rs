@@ -1,7 +1,7 @@
 //! How the glTF document behind a scene is read.
 
-use super::accessor::number;
-use crate::input::Input;
+use super::accessor::{number, shown};
+use crate::input::{Input, short};
 use crate::source::{Uri, uri};
 use crate::{EncodedImage, Error, GltfDocument};
 use serde_json::{Value, json};
@@ -97,8 +97,11 @@ impl GltfDocument {
 fn content(input: &mut Input, buffer: &Value, chunk: Option<Vec<u8>>) -> Result<Vec<u8>, Error> {
     let invalid = |input: &Input, problem: String| input.invalid("buffer", problem);
     let announced = buffer.get("byteLength").and_then(Value::as_u64);
-    let announced = announced
-        .ok_or_else(|| invalid(input, "it has no byteLength; export the file again".into()))?;
+    let announced = announced.ok_or_else(|| {
+        let said = shown(buffer, "byteLength");
+        let problem = format!("its byteLength is {said}, and must be the number of its bytes");
+        invalid(input, problem)
+    })?;
     let mut bytes = match (buffer.get("uri"), chunk) {
         (Some(text), _) => match uri_of(text).map_err(|problem| invalid(input, problem))? {
             Uri::Data(bytes) => bytes,
@@ -109,7 +112,7 @@ fn content(input: &mut Input, buffer: &Value, chunk: Option<Vec<u8>>) -> Result<
         },
         (None, Some(chunk)) => chunk,
         (None, None) => {
-            let problem = "it has neither a uri nor a binary chunk; export the file again";
+            let problem = "it has neither a uri nor a binary chunk; its uri must name the file that holds its bytes";
             return Err(invalid(input, problem.into()));
         }
     };
@@ -156,8 +159,11 @@ pub(super) fn renumber(json: &mut Value, to: impl Fn(usize) -> usize) {
 /// # Errors
 /// A sentence.
 pub(super) fn uri_of(value: &Value) -> Result<Uri, String> {
-    let text = value.as_str();
-    uri(text.ok_or("its uri is no text; export the file again")?)
+    let text = value.as_str().ok_or_else(|| {
+        let said = short(&value.to_string());
+        format!("its uri is {said}, and must be the name of a file or a data URI, in quotes")
+    });
+    uri(text?)
 }
 
 /// Whether a buffer has no content of its own, because all views of it are compressed by meshopt.

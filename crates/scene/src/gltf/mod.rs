@@ -47,8 +47,12 @@ pub(crate) fn load(input: &mut Input, format: Format) -> Result<Parts, Error> {
         },
     };
     let text = without_mark(&bytes[json]);
-    let mut json = serde_json::from_slice(text)
-        .map_err(|e| input.invalid("JSON", format!("{e}; export the file again")))?;
+    let mut json = serde_json::from_slice(text).map_err(|e| {
+        input.invalid(
+            "JSON",
+            format!("{e}; correct that place, or export the file again"),
+        )
+    })?;
     root::write_integers_as_such(&mut json);
     root::check(input, &json)?;
     root::make_lists(input, &mut json);

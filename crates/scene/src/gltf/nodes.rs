@@ -1,6 +1,6 @@
 //! The node hierarchy: which mesh stands where.
 
-use super::accessor::{index, stated};
+use super::accessor::{index, shown, stated};
 use super::elements::Type;
 use super::lights;
 use super::reader::Reader;
@@ -50,7 +50,8 @@ pub(super) fn placements(
             continue;
         }
         if std::mem::replace(seen, true) {
-            let problem = "it is reached twice, but glTF nodes form trees; export the file again";
+            let problem = "it is reached twice, but glTF nodes form trees; name it in the `children` of one node, or in the scene's `nodes`, \
+                           once";
             return Err(input.invalid(place, problem));
         }
         reader.text(json, "name");
@@ -76,7 +77,7 @@ pub(super) fn placements(
         };
         let Some(of) = meshes.get(mesh) else {
             let problem = format!(
-                "it names the mesh {mesh} of {}; export the file again",
+                "its mesh is {mesh}, but there are {}, numbered from 0; correct that number",
                 meshes.len()
             );
             return Err(input.invalid(place, problem));
@@ -193,13 +194,18 @@ fn roots(input: &mut Input, document: &GltfDocument) -> Result<Vec<usize>, Error
 fn numbered(json: &Value, key: &str, what: &str, count: usize) -> Result<Vec<usize>, String> {
     let list = json.get(key).filter(|list| !list.is_null());
     if list.is_some_and(|list| !list.is_array()) {
-        return Err(format!("its {key} are no list; export the file again"));
+        return Err(format!(
+            "its {key} are {}, and must be a list of the numbers of nodes",
+            shown(json, key)
+        ));
     }
     let number = |value: &Value| {
         let number = index(value).filter(|&n| n < count);
         number.ok_or_else(|| {
             let value = short(&value.to_string());
-            format!("it names the {what} {value} of {count} nodes; export the file again")
+            format!(
+                "it names the {what} {value}, but there are {count} nodes, numbered from 0; correct its {key}"
+            )
         })
     };
     let list = list.and_then(Value::as_array);
@@ -241,9 +247,15 @@ fn is_hidden(reader: &mut Reader, extensions: &Value) -> bool {
 fn local(node: &Value) -> Result<DAffine3, String> {
     if let Some(m) = numbers::<16>(node, "matrix")? {
         let columns = [0, 4, 8, 12].map(|i| [m[i], m[i + 1], m[i + 2], m[i + 3]]);
-        let problem =
-            "its matrix is not affine (the last row is not 0 0 0 1); export the file again";
-        return affine(columns).ok_or_else(|| problem.into());
+        let problem = || {
+            let row = columns.map(|column| column[3].to_string());
+            format!(
+                "the last row of its matrix, its numbers 4, 8, 12 and 16, is {}, and must be 0 0 0 1: a node turns, scales, shears and \
+                 moves, and has no perspective",
+                row.join(" ")
+            )
+        };
+        return affine(columns).ok_or_else(problem);
     }
     let vector = |key: &str, or: [f64; 3]| -> Result<DVec3, String> {
         Ok(numbers(node, key)?.unwrap_or(or).into())
@@ -262,7 +274,7 @@ fn numbers<const N: usize>(node: &Value, key: &str) -> Result<Option<[f64; N]>, 
         numbers?.try_into().ok()
     };
     let list = node.get(key).filter(|list| !list.is_null());
-    let other = || format!("its {key} is not {N} numbers; export the file again");
+    let other = || format!("its {key} is {}, and must be {N} numbers", shown(node, key));
     list.map(|list| numbers(list).ok_or_else(other)).transpose()
 }
 
@@ -302,7 +314,8 @@ fn copies(document: &GltfDocument, node: &Value) -> Result<Option<Vec<DAffine3>>
         .collect();
     let Some(&count) = counts.first() else {
         return Err(
-            "its instancing has neither TRANSLATION, ROTATION nor SCALE; export the file again"
+            "its EXT_mesh_gpu_instancing has neither TRANSLATION, ROTATION nor SCALE, and must have one of them; without the extension the \
+             mesh is placed once"
                 .into(),
         );
     };

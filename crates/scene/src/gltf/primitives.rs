@@ -1,6 +1,6 @@
 //! glTF primitives as meshes.
 
-use super::accessor::{index, stated};
+use super::accessor::{index, shown, stated};
 use super::elements::{Elements, Type};
 use super::nodes::Placement;
 use super::reader::Reader;
@@ -33,7 +33,8 @@ pub(super) fn load(
         .text(json, "name");
         let primitives = json.get("primitives").and_then(Value::as_array);
         let primitives = primitives.ok_or_else(|| {
-            let problem = "it has no list of primitives; export the file again";
+            let said = shown(json, "primitives");
+            let problem = format!("its primitives are {said}, and must be a list");
             input.invalid(format!("mesh {m}"), problem)
         })?;
         for (p, primitive) in primitives.iter().enumerate() {
@@ -91,7 +92,8 @@ fn read(
             return Ok(None);
         }
         other => {
-            let problem = format!("mode {other} is none of 0 to 6; export the file again");
+            let problem =
+                format!("its mode is {other}, and must be 4, 5 or 6 for triangles, or 0 to 3");
             return Err(input.invalid(place, problem));
         }
     };
@@ -123,7 +125,7 @@ fn read(
         .as_ref()
         .is_some_and(|indices| !indices.holds_indices())
     {
-        let problem = "its indices are not unsigned integers; export the file again";
+        let problem = "its indices are not unsigned integers: the componentType of their accessor must be 5121, 5123 or 5125, and `normalized` not be true";
         return Err(input.invalid(place, problem));
     }
     let invalid = |problem: String| input.invalid(place, problem);

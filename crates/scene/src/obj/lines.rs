@@ -193,7 +193,7 @@ impl State {
                 self.file.libraries.push(text_of(rest));
             }
             _ if line.contains(&0) => {
-                return Err("binary data; this is not an OBJ file, export it again".into());
+                return Err("binary data; this is not an OBJ file in UTF-8 or ASCII, save or export it as one".into());
             }
             _ => {}
         }

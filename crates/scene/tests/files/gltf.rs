@@ -472,7 +472,11 @@ fn a_default_scene_without_nodes_is_empty_and_a_scene_that_is_not_there_is_refus
     for (scenes, scene, says) in [
         (json!([{ "nodes": [0] }, {}]), 1, "no triangle"),
         (json!([{ "nodes": [0] }]), 3, "scene 3 does not exist"),
-        (json!([{ "nodes": [4] }]), 0, "names the node 4 of 1"),
+        (
+            json!([{ "nodes": [4] }]),
+            0,
+            "names the node 4, but there are 1",
+        ),
     ] {
         let mut document = Document::triangle();
         document.json["scenes"] = scenes;
