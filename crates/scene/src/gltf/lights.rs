@@ -1,5 +1,6 @@
 //! `KHR_lights_punctual`: suns, point lights and spots, where their nodes stand.
 
+use super::nodes::own_name;
 use super::reader::Reader;
 use crate::input::{Input, short};
 use crate::{Light, LightKind, WarningKind};
@@ -25,7 +26,7 @@ pub(super) fn of(
     let Some(light) = lights.and_then(|lights| lights.get(index)) else {
         return left_out(input, format!("light {index}"), "is not in the file");
     };
-    let name = |json: &Value| json.get("name").and_then(Value::as_str).map(str::to_owned);
+    let name = |json: &Value| own_name(json).map(str::to_owned);
     let name = match name(light).or(name(node)) {
         Some(name) => name,
         None => format!("light {index}"),

@@ -1,6 +1,7 @@
 //! glTF materials and the images they read.
 
 use super::images::{images, packed_images};
+use super::nodes::own_name;
 use super::phong::{Phong, phong};
 use super::reader::Reader;
 use crate::GltfDocument;
@@ -27,8 +28,7 @@ pub(super) fn load(
     let used: BTreeSet<u32> = parts.meshes.iter().map(|mesh| mesh.material).collect();
     for (i, json) in document.list("materials").iter().enumerate() {
         let is_used = used.contains(&(i as u32));
-        let name = json.get("name").and_then(Value::as_str);
-        let name = name.map_or_else(|| format!("material {i}"), str::to_owned);
+        let name = own_name(json).map_or_else(|| format!("material {i}"), str::to_owned);
         parts.materials.push(match is_used {
             true => material(input, document, i, json, name),
             false => Material::untinted(&name),

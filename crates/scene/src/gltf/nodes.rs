@@ -124,8 +124,7 @@ pub(super) fn instances(
     parts: &mut Parts,
 ) {
     for placement in placements {
-        let name = document.list("nodes")[placement.node].get("name");
-        let name = name.and_then(Value::as_str);
+        let name = own_name(&document.list("nodes")[placement.node]);
         for &mesh in primitives.get(&placement.mesh).into_iter().flatten() {
             let of = &parts.meshes[mesh as usize].name;
             let name = match name {
@@ -212,9 +211,15 @@ fn numbered(json: &Value, key: &str, what: &str, count: usize) -> Result<Vec<usi
     list.into_iter().flatten().map(number).collect()
 }
 
+/// The name of a node, a mesh or a material; `None` without one that anybody could read and type.
+pub(super) fn own_name(json: &Value) -> Option<&str> {
+    let name = json.get("name").and_then(Value::as_str);
+    name.filter(|name| !name.trim().is_empty())
+}
+
 /// A node or a mesh by its name, else by its number.
 fn named(what: &str, number: usize, json: &Value) -> String {
-    match json.get("name").and_then(Value::as_str) {
+    match own_name(json) {
         Some(name) => format!("{what} `{}`", short(name)),
         None => format!("{what} {number}"),
     }

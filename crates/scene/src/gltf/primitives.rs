@@ -2,7 +2,7 @@
 
 use super::accessor::{index, shown, stated};
 use super::elements::{Elements, Type};
-use super::nodes::Placement;
+use super::nodes::{Placement, own_name};
 use super::reader::Reader;
 use crate::GltfDocument;
 use crate::input::{Input, short};
@@ -26,11 +26,12 @@ pub(super) fn load(
         placements.iter().map(|p| (p.mesh, Vec::new())).collect();
     for (&m, numbers) in &mut loaded {
         let json = &document.list("meshes")[m];
-        let own = Reader {
+        Reader {
             input,
             place: &format!("mesh {m}"),
         }
         .text(json, "name");
+        let own = own_name(json);
         let primitives = json.get("primitives").and_then(Value::as_array);
         let primitives = primitives.ok_or_else(|| {
             let said = shown(json, "primitives");

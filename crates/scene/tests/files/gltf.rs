@@ -666,6 +666,31 @@ fn black_metals_are_told_of_by_what_the_file_says() {
 }
 
 #[test]
+fn what_has_an_empty_name_is_called_by_its_number_as_what_has_none() {
+    for empty in [json!(""), json!(" \t"), Value::Null] {
+        let mut document = Document::triangle();
+        document.json["materials"] = json!([{ "name": empty }]);
+        document.primitive()["material"] = json!(0);
+        document.json["meshes"][0]["name"] = empty.clone();
+        document.json["nodes"] =
+            json!([{ "name": empty, "mesh": 0 }, { "name": empty, "mesh": 0 }]);
+        document.json["scenes"] = json!([{ "nodes": [0, 1] }]);
+        let scene = document.load().unwrap();
+        let names = scene.instances.iter().map(|of| of.name.as_str());
+        let names: Vec<_> = names.chain([scene.materials[0].name.as_str()]).collect();
+        assert_eq!(
+            names,
+            [
+                "node 0 / mesh 0 primitive 0",
+                "node 1 / mesh 0 primitive 0",
+                "material 0"
+            ],
+            "{empty}"
+        );
+    }
+}
+
+#[test]
 fn mirrors_are_told_of_as_metals_with_what_makes_them_other() {
     let warnings = |material: &Value| {
         let mut document = Document::triangle();

@@ -7,6 +7,7 @@
 #[cfg(test)]
 mod tests;
 
+use super::nodes::own_name;
 use crate::WarningKind;
 use crate::input::{Input, short};
 use Support::{Approximated, Harmless, Honoured, NotRead};
@@ -232,7 +233,7 @@ pub(super) fn warn(input: &mut Input, json: &Value) {
             }
             let mut names = Vec::new();
             find(item, &mut names);
-            let place = match item.get("name").and_then(Value::as_str) {
+            let place = match own_name(item) {
                 Some(name) => format!("{what} `{}`", short(name)),
                 None => format!("{what} {i}"),
             };
