@@ -56,6 +56,8 @@ impl ObjectLayout {
 /// From this part of all texels an object is named in a warning, if others have fewer than [`FEW`] across.
 const LARGE_SHARE: f64 = 0.5;
 const FEW: f64 = 32.0;
+/// Densities that are fewer times apart look alike.
+const ALIKE: f64 = 1.1;
 /// With fewer texels across its extent an object is named in a warning.
 const COARSE: f64 = 3.5;
 /// So many do.
@@ -103,16 +105,29 @@ impl LayoutReport {
         let few = seen.iter().filter(|o| o.across < FEW).count();
         if let Some(large) = large.filter(|_| few > 0) {
             let name = &large.name;
+            let least = short(large.density);
+            // Where most have more, the page is small; what equal densities differ by is rounding.
+            let (though, cure) = match ALIKE * large.density < self.texels_per_unit.median {
+                true => (
+                    ", though fewer per unit than most",
+                    format!(
+                        "a larger `--size` gives all more; `--density-of {name}=D` below {least} leaves more for them if it may be \
+                         coarser still"
+                    ),
+                ),
+                false => (
+                    "",
+                    format!("`--density-of {name}=D` below {least} leaves more for them"),
+                ),
+            };
             warnings.push(WarningReport {
                 kind: "large-share".into(),
                 place: format!("object `{name}`"),
                 count: 1,
                 message: format!(
-                    "one object has {:.0} % of the texels, while {few} of {} have fewer than {FEW} across; `--density-of {name}=D` \
-                     below {} leaves more for them",
+                    "one object has {:.0} % of the texels{though}, while {few} of {} have fewer than {FEW} across; {cure}",
                     100.0 * large.share,
                     seen.len(),
-                    short(large.density),
                 ),
             });
         }
@@ -228,7 +243,7 @@ impl LayoutReport {
             short(*max),
             short(*median),
             match self.uneven_density() {
-                Some(_) => ", uneven: `--density even` makes them alike",
+                Some(_) => ", uneven",
                 None => "",
             },
         );
@@ -361,6 +376,18 @@ mod tests {
         );
         assert!(!line.contains("--density-of"), "{line}");
         assert_eq!(kinds(&room(20.0)), [of("large-share", "room"), coarse]);
+        // It has fewer all the same, so that the page is to blame first.
+        let line = &room(20.0).warnings()[0].message;
+        assert!(
+            line.contains("though fewer per unit than most")
+                && line.contains("; a larger `--size` gives all more"),
+            "{line}"
+        );
+        let line = &room(40.0).warnings()[0].message;
+        assert!(
+            !line.contains("--size") && line.contains("; `--density-of room=D` below 40.0"),
+            "{line}"
+        );
     }
 
     #[test]
