@@ -23,8 +23,8 @@ const MEETING: u32 = 10;
 /// Of the faces in a closed body one in so many may lie in no solid.
 const FREE: u32 = 16;
 
-/// The warning that names a sheet around most of a scene, which hides the sky from all that is in it. `None` where light
-/// was asked for that needs no sky.
+/// The warning that names a sheet around most of a scene, which hides the sky from all that is in it. `None` where
+/// light was asked for that needs no sky.
 pub(crate) fn enclosed(job: &Job) -> Option<WarningReport> {
     if job.options().max_distance.is_some() || job.has_lamps() {
         return None;

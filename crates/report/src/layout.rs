@@ -111,8 +111,8 @@ impl LayoutReport {
                 true => (
                     ", though fewer per unit than most",
                     format!(
-                        "a larger `--size` gives all more; `--density-of {name}=D` below {least} leaves more for them if it may be \
-                         coarser still"
+                        "a larger `--size` gives all more; `--density-of {name}=D` below {least} leaves more for \
+                         them if it may be coarser still"
                     ),
                 ),
                 false => (
@@ -125,7 +125,8 @@ impl LayoutReport {
                 place: format!("object `{name}`"),
                 count: 1,
                 message: format!(
-                    "one object has {:.0} % of the texels{though}, while {few} of {} have fewer than {FEW} across; {cure}",
+                    "one object has {:.0} % of the texels{though}, while {few} of {} have fewer than {FEW} across; \
+                     {cure}",
                     100.0 * large.share,
                     seen.len(),
                 ),

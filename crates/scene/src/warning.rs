@@ -29,8 +29,8 @@ pub enum WarningKind {
     /// black on it.
     BlackDiffuse,
     /// glTF: a material that is all metal, by `metallicFactor` 1 or without one, and no texture says otherwise. A metal
-    /// has no albedo, so that Lambert's and the traditional model are black on it. So has one whose coat reflects all, as
-    /// that of a specular-glossiness material without a `specularFactor` does.
+    /// has no albedo, so that Lambert's and the traditional model are black on it. Nor has one whose coat reflects all,
+    /// as that of a specular-glossiness material without a `specularFactor` does.
     BlackMetals,
     /// A normal that is zero or not finite becomes the area-weighted mean of the geometric normals around the vertex.
     /// Where every normal of a mesh is bad, the mesh has none and is shaded with its geometric normals.

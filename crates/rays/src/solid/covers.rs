@@ -191,7 +191,7 @@ impl Solids {
     }
 
     /// What may cover a triangle of all that does in `asked`, or, where that is `None`, of what lies at most a 32nd of
-    /// the smaller of the two above a surface; `None` where nothing is `within` so far of it, in scene units, that does.
+    /// the smaller of the two above a surface; `None` where nothing that does is `within` so far of it, in scene units.
     pub fn covers<'a>(
         &'a self,
         asked: Option<&'a Covering>,

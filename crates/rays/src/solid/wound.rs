@@ -100,8 +100,8 @@ impl Solids {
         !wound.faces.is_empty() && wound.open.iter().all(is_stopped)
     }
 
-    /// True where other surfaces stand in nearly all of a hole: close to it, or on both sides of it, as the skin of what
-    /// is stuck in it.
+    /// True where other surfaces stand in nearly all of a hole: close to it, or on both sides of it, as the skin of
+    /// what is stuck in it.
     fn is_stopped(&self, of: &Placed, cap: &[[[f32; 3]; 3]], all: &Among) -> bool {
         let place = |corner: [f32; 3]| {
             let corner = DVec3::from(corner.map(f64::from));

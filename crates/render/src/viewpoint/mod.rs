@@ -18,8 +18,8 @@ const WIDE: f64 = 65.0 * PI / 180.0;
 
 impl Framing {
     /// The camera that shows a scene best: the one of [`Framing::camera`], from another side or steeper where that
-    /// shows more of it, and inside where a place within tells more than the view from outside: it counts by how much of
-    /// what is above it is closed, and more where most of the free space in the scene's box is closed. Inside, the
+    /// shows more of it, and inside where a place within tells more than the view from outside: it counts by how much
+    /// of what is above it is closed, and more where most of the free space in the scene's box is closed. Inside, the
     /// field of view is at least 65 degrees unless `keep_fov`.
     ///
     /// * `around`: instances that only stand around the scene, as a sky dome does. They are not what is looked at, and

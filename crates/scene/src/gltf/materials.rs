@@ -172,16 +172,16 @@ fn material(
         u64::from(is_mirror && !says_coat),
         match (is_glossy, glossy.get("specularFactor").is_some()) {
             (true, false) => {
-                "without a specularFactor it is 1, 1, 1 by KHR_materials_pbrSpecularGlossiness: a mirror, so its albedo and `lambert` are \
-                 black; give it a specularFactor of 0.04, 0.04, 0.04 unless it is one"
+                "without a specularFactor it is 1, 1, 1 by KHR_materials_pbrSpecularGlossiness: a mirror, so its \
+                 albedo and `lambert` are black; give it a specularFactor of 0.04, 0.04, 0.04 unless it is one"
             }
             (true, true) => {
-                "a mirror by its specularFactor, which is 1 in a channel, so its albedo and `lambert` are black; give it a specularFactor \
-                 of 0.04, 0.04, 0.04 unless it is one"
+                "a mirror by its specularFactor, which is 1 in a channel, so its albedo and `lambert` are black; \
+                 give it a specularFactor of 0.04, 0.04, 0.04 unless it is one"
             }
             (false, _) => {
-                "a mirror by KHR_materials_ior and KHR_materials_specular, so its albedo and `lambert` are black; give it an ior of 1.5 \
-                 unless it is one"
+                "a mirror by KHR_materials_ior and KHR_materials_specular, so its albedo and `lambert` are black; \
+                 give it an ior of 1.5 unless it is one"
             }
         },
     );

@@ -50,8 +50,8 @@ pub(super) fn placements(
             continue;
         }
         if std::mem::replace(seen, true) {
-            let problem = "it is reached twice, but glTF nodes form trees; name it in the `children` of one node, or in the scene's `nodes`, \
-                           once";
+            let problem = "it is reached twice, but glTF nodes form trees; name it in the `children` of one node, or \
+                           in the scene's `nodes`, once";
             return Err(input.invalid(place, problem));
         }
         reader.text(json, "name");
@@ -255,8 +255,8 @@ fn local(node: &Value) -> Result<DAffine3, String> {
         let problem = || {
             let row = columns.map(|column| column[3].to_string());
             format!(
-                "the last row of its matrix, its numbers 4, 8, 12 and 16, is {}, and must be 0 0 0 1: a node turns, scales, shears and \
-                 moves, and has no perspective",
+                "the last row of its matrix, its numbers 4, 8, 12 and 16, is {}, and must be 0 0 0 1: a node turns, \
+                 scales, shears and moves, and has no perspective",
                 row.join(" ")
             )
         };
@@ -319,8 +319,8 @@ fn copies(document: &GltfDocument, node: &Value) -> Result<Option<Vec<DAffine3>>
         .collect();
     let Some(&count) = counts.first() else {
         return Err(
-            "its EXT_mesh_gpu_instancing has neither TRANSLATION, ROTATION nor SCALE, and must have one of them; without the extension the \
-             mesh is placed once"
+            "its EXT_mesh_gpu_instancing has neither TRANSLATION, ROTATION nor SCALE, and must have one of them; \
+             without the extension the mesh is placed once"
                 .into(),
         );
     };

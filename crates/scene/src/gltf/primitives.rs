@@ -126,7 +126,8 @@ fn read(
         .as_ref()
         .is_some_and(|indices| !indices.holds_indices())
     {
-        let problem = "its indices are not unsigned integers: the componentType of their accessor must be 5121, 5123 or 5125, and `normalized` not be true";
+        let problem = "its indices are not unsigned integers: the componentType of their accessor must be 5121, 5123 \
+                       or 5125, and `normalized` not be true";
         return Err(input.invalid(place, problem));
     }
     let invalid = |problem: String| input.invalid(place, problem);

@@ -92,7 +92,8 @@ fn as_integer(value: &mut Value) {
 pub(super) fn check(input: &Input, json: &Value) -> Result<(), Error> {
     let version = json.pointer("/asset/version").and_then(Value::as_str);
     let version = version.ok_or_else(|| {
-        let problem = "its `asset` names no version of glTF; write `\"asset\": {\"version\": \"2.0\"}` if it is one of glTF 2";
+        let problem = "its `asset` names no version of glTF; write `\"asset\": {\"version\": \"2.0\"}` if it is one \
+                       of glTF 2";
         input.invalid("JSON", problem)
     })?;
     if !version.starts_with("2.") {
