@@ -37,7 +37,7 @@
 //! * What counts as inside of something: `solid`, with closed bodies and cavities in `mod.rs`, how deep a point lies in
 //!   them in `depth.rs`, grounds in `ground`, rooms in `rooms.rs`, bodies without a bottom in `shut.rs`, those that
 //!   look inward in `inward.rs` and `wound.rs`, ends of surfaces that nobody sees in `rims.rs` and what thin layers
-//!   cover in `covers.rs`. Whether a point of a triangle lies in it: `buried.rs`.
+//!   cover in `covers`. Whether a point of a triangle lies in it: `buried.rs`.
 //! * Suns, point lights, spots, balls and panels: `light`. Surfaces that shine: `lamps.rs`.
 #![forbid(unsafe_code)]
 

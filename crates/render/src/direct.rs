@@ -6,7 +6,7 @@
 
 use crate::microfacets::Coat;
 use crate::weight::Weight;
-use crate::{Lamps, Light, Lightmap, Sample, TexelPlace};
+use crate::{Lamps, Light, Lightmap, Model, Sample, TexelPlace};
 use ambient::Frame;
 use ambient::closed_form::phong_open;
 use ambient::lanes::{LANES, Wide};
@@ -14,45 +14,10 @@ use ambient::lunar::lommel_seeliger;
 use ambient::models;
 use ambient::sampling::{Lobe, Mixture, Stream, power_over_density};
 use environment::Sky;
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use rays::{
-    Arrival, Coherence, Overrides, Ray, RayBackend, RayPacket, Stops, SurfaceHit, SurfacePoint,
-    Surfaces,
+    Arrival, Coherence, Overrides, Ray, RayBackend, RayPacket, SurfaceHit, SurfacePoint, Surfaces,
 };
-
-/// Which ambient model shades a picture.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Model {
-    /// A constant times the open share of the hemisphere.
-    Traditional,
-    /// The same constant times what an open surface reflects, matte and specular, in closed form.
-    TraditionalClosed,
-    /// Equation (5) of the paper.
-    Lambert,
-    /// Equation (9) of the paper.
-    Phong,
-    /// GGX microfacets over a matte base.
-    Ggx,
-    /// Loose dust, as on the Moon: [`ambient::lunar`].
-    LommelSeeliger,
-    /// Albedo times the cosine to the eye, without any light.
-    FacingRatio,
-}
-
-impl Model {
-    /// The word for it on the command line, and its layer in a bake.
-    pub fn name(self) -> &'static str {
-        match self {
-            Model::Traditional => "traditional",
-            Model::TraditionalClosed => "traditional.closed",
-            Model::Lambert => "lambert",
-            Model::Phong => "phong",
-            Model::Ggx => "ggx",
-            Model::LommelSeeliger => "lommel-seeliger",
-            Model::FacingRatio => "facing-ratio",
-        }
-    }
-}
 
 /// Shades rays by integration.
 pub struct Direct<'a> {
@@ -92,47 +57,8 @@ const SHADOWS: u32 = 3;
 /// Shadow rays of a sample to each light with extent.
 const SHADOW_RAYS: u32 = 16;
 
-/// Of what is no more of a sample than this, what lies behind it is not looked for.
-const FAINTEST: f32 = 1.0 / 1024.0;
-
 /// Points of a coat where no rays are asked for.
 const LEAST_POINTS: u32 = 64;
-
-/// A surface that a sample shows.
-pub(crate) struct Layer {
-    pub hit: SurfaceHit,
-    /// The share of the sample that it makes up: what the ones before it leave, times what it stops.
-    pub share: f32,
-    /// What the ones before it leave of the channels for their mean.
-    pub tint: Vec3,
-}
-
-impl Layer {
-    /// What its radiance counts in each channel.
-    fn weight(&self) -> DVec3 {
-        f64::from(self.share) * self.tint.as_dvec3()
-    }
-}
-
-/// What a sample shows.
-pub(crate) struct Layers {
-    /// Surfaces, front to back.
-    pub seen: Vec<Layer>,
-    /// The share of the sample that shows what is beyond all surfaces, 0..=1.
-    left: f32,
-    /// What all of them leave of the channels for their mean.
-    tint: Vec3,
-}
-
-impl Layers {
-    fn add(&mut self, hit: SurfaceHit, share: f32) {
-        let tint = self.tint;
-        if share > 0.0 {
-            self.seen.push(Layer { hit, share, tint });
-        }
-        self.left -= share;
-    }
-}
 
 impl<'a> Direct<'a> {
     /// Lambert's model by 64 rays under a white sky, without lights.
@@ -162,17 +88,6 @@ impl Direct<'_> {
     /// The radiance that reaches the eye of a sample.
     pub fn radiance(&self, sample: &Sample) -> DVec3 {
         self.through(sample, |hit| self.leaving(sample, &self.point(sample, hit)))
-    }
-
-    /// The radiance that reaches the eye of a sample where the surfaces that it shows send out what `leaving` tells.
-    fn through(&self, sample: &Sample, leaving: impl Fn(&SurfaceHit) -> DVec3) -> DVec3 {
-        let layers = self.layers(sample);
-        let light = |layer: &Layer| layer.weight() * leaving(&layer.hit);
-        let sum: DVec3 = layers.seen.iter().map(light).sum();
-        match layers.left > 0.0 {
-            true => sum + f64::from(layers.left) * layers.tint.as_dvec3() * self.behind(sample),
-            false => sum,
-        }
     }
 
     /// The radiance that a point sends back along a sample.
@@ -219,17 +134,6 @@ impl Direct<'_> {
         (radiance, place)
     }
 
-    /// What a sample that meets nothing shows.
-    pub fn behind(&self, sample: &Sample) -> DVec3 {
-        let sky = || self.sky.seen(sample.direction.to_array()).into();
-        self.background.unwrap_or_else(sky)
-    }
-
-    /// The share of a sample that shows surfaces, not the background, 0..=1.
-    pub fn coverage(&self, sample: &Sample) -> f32 {
-        1.0 - self.layers(sample).left
-    }
-
     /// What panes before the surface that a ray meets, if any, leave of the channels for their mean.
     fn tint(&self, ray: &Ray, hit: Option<&SurfaceHit>) -> DVec3 {
         let end = hit.map_or(ray.t_max, |hit| hit.t);
@@ -238,36 +142,6 @@ impl Direct<'_> {
 
     pub(crate) fn hit(&self, sample: &Sample) -> Option<SurfaceHit> {
         self.backend.closest(&camera_ray(sample))
-    }
-
-    /// The surfaces that a sample shows, front to back. Nothing is left to chance. T. Porter, T. Duff, "Compositing
-    /// Digital Images" (1984).
-    pub(crate) fn layers(&self, sample: &Sample) -> Layers {
-        let mut ray = camera_ray(sample);
-        let last = self.backend.closest_that(&ray, Stops::All);
-        let end = last.map_or(f32::INFINITY, |hit| hit.t);
-        let mut layers = Layers {
-            seen: Vec::new(),
-            left: 1.0,
-            tint: Vec3::ONE,
-        };
-        while self.surfaces.has_panes() && layers.left > FAINTEST {
-            let next = self.backend.closest_that(&ray, Stops::Any);
-            let Some(hit) = next.filter(|hit| hit.t < end) else {
-                break;
-            };
-            layers.add(hit, layers.left * self.surfaces.stopped(&hit));
-            layers.tint *= self.surfaces.tint(&hit);
-            ray.t_min = hit.t;
-        }
-        if layers.left > FAINTEST {
-            if let Some(last) = last {
-                layers.add(last, layers.left);
-            }
-        } else if let Some(last) = layers.seen.last_mut() {
-            last.share += std::mem::take(&mut layers.left);
-        }
-        layers
     }
 
     fn point(&self, sample: &Sample, hit: &SurfaceHit) -> SurfacePoint {
@@ -557,7 +431,7 @@ impl Direct<'_> {
 }
 
 /// The ray of a camera sample.
-fn camera_ray(sample: &Sample) -> Ray {
+pub(crate) fn camera_ray(sample: &Sample) -> Ray {
     Ray {
         origin: sample.eye.as_vec3().to_array(),
         direction: sample.direction.as_vec3().to_array(),

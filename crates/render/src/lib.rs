@@ -19,6 +19,7 @@
 //!
 //! * The camera: `camera.rs`. Where a scene is seen from when nobody says: `viewpoint`; how bright it is shown:
 //!   `exposure.rs`.
+//! * What a sample shows, front to back: `shown.rs`; how that is shaded: `direct.rs`, by the models of `model.rs`.
 //! * Alpha, and scenes over a backdrop: `matte.rs`. How a place in a scene is captured: `capture.rs`.
 //! * White balls and mirrors at places: `ball.rs`. Frames from tables are in `crates/frames`.
 #![forbid(unsafe_code)]
@@ -46,8 +47,12 @@ mod lit;
 mod matte;
 #[cfg(feature = "pictures")]
 mod microfacets;
+#[cfg(feature = "pictures")]
+mod model;
 mod picture;
 mod progress;
+#[cfg(feature = "pictures")]
+mod shown;
 #[cfg(feature = "pictures")]
 mod text;
 mod viewpoint;
@@ -67,9 +72,10 @@ pub use viewpoint::places_within;
 pub use {
     ball::{Ball, Shows},
     capture::{PointForm, add_points, capture},
-    direct::{Direct, Model},
+    direct::Direct,
     lightmap::{Lightmap, TexelPlace, baked_scene},
     lit::Lit,
+    model::Model,
     text::rows,
     weight::Weight,
 };

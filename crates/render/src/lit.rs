@@ -1,8 +1,8 @@
 //! The lit scene of a bake whose pages come one after another: what a camera sees is found once, then each page adds
 //! the light of its texels.
 
-use crate::direct::Layer;
 use crate::progress::each;
+use crate::shown::Layer;
 use crate::{Camera, Direct, Error, Sample, TexelPlace};
 use environment::Image;
 use glam::{DVec3, Vec2, Vec3};
