@@ -174,7 +174,7 @@ fn exact_ggx(open: &impl Fn(DVec3) -> bool, alpha: f64, (theta, phi): (f64, f64)
     seen / all
 }
 
-/// Among six posts, twice as wide as the gaps are.
+/// PlacedTree six posts, twice as wide as the gaps are.
 fn posts(l: DVec3) -> bool {
     l.z > 0.6 || l.y.atan2(l.x).rem_euclid(TAU / 6.0) > 0.35
 }

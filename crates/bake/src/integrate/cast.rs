@@ -35,7 +35,7 @@ pub(super) struct Caster<'a> {
     /// none.
     pub sent: Vec<Option<Rc<Guide>>>,
     /// What hemisphere rays have found for lobes, and where they were sent.
-    pub beside: &'a Beside,
+    pub beside: &'a HemisphereLobes,
     /// Of all texels or of none, as the next.
     pub moments: &'a mut [[Moments; REPLICATES as usize]],
     pub directions: Vec<[DirectionSums; REPLICATES as usize]>,
@@ -43,7 +43,7 @@ pub(super) struct Caster<'a> {
 
 /// What hemisphere rays found for lobes, and where they were sent; of all texels or of none.
 #[derive(Default)]
-pub(super) struct Beside {
+pub(super) struct HemisphereLobes {
     pub sums: Vec<Replicates>,
     pub sent: Vec<Option<Rc<Guide>>>,
 }

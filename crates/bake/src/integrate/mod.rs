@@ -47,7 +47,7 @@ pub use terms::{AnyView, Directional, Halves, Terms};
 use crate::options::Shading;
 use crate::survey::Texel;
 use ambient::any_view::{count, order_for, stated};
-use cast::{Beside, Caster};
+use cast::{Caster, HemisphereLobes};
 use estimate::Quantity;
 use gang::{DirectionSums, Moments};
 use lobe::Lobe;
@@ -86,10 +86,10 @@ pub(crate) fn integrate(
         texels,
         lobes: &lobes,
     };
-    let mut rounds = |technique, which: &[usize], moments: &mut [_], beside: &Beside| {
+    let mut rounds = |technique, which: &[usize], moments: &mut [_], beside: &HemisphereLobes| {
         tile.rounds(technique, which, moments, beside, &mut terms)
     };
-    let none = Beside::default();
+    let none = HemisphereLobes::default();
     let above = which(&|i| !closed[i] && task.hemisphere);
     let beside = rounds(Technique::Hemisphere, &above, &mut moments, &none);
     let glossy = which(&|i| lobes[i].is_some());
@@ -140,11 +140,11 @@ impl Lit<'_> {
         technique: Technique,
         which: &[usize],
         moments: &mut [[Moments; REPLICATES as usize]],
-        beside: &Beside,
+        beside: &HemisphereLobes,
         terms: &mut [Terms],
-    ) -> Beside {
+    ) -> HemisphereLobes {
         if which.is_empty() {
-            return Beside::default();
+            return HemisphereLobes::default();
         }
         let Self {
             task,
@@ -192,8 +192,8 @@ impl Lit<'_> {
             }
         }
         match joins {
-            false => Beside::default(),
-            true => Beside {
+            false => HemisphereLobes::default(),
+            true => HemisphereLobes {
                 sums: caster.sums,
                 sent: caster.sent,
             },

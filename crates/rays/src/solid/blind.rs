@@ -6,7 +6,7 @@
 //! surfaces stand before it and one of them lies in the gap, people may be there too, as between a floor with desks and
 //! its ceiling. Two sheets that look at each other are a floor and a ceiling as well.
 
-use super::placed::{ABOUT, Among, Placed};
+use super::placed::{ABOUT, Placed, PlacedTree};
 use super::wound::LOOKS;
 use super::{Covers, Solids};
 use glam::DVec3;
@@ -31,7 +31,7 @@ impl Solids {
     pub(super) fn blind_sheets(&self, places: &[DVec3]) -> HashSet<Key> {
         let placed = self.placed_surfaces();
         let opaque = placed.iter().filter(|of| !of.surface.masked);
-        let all = Among::of(opaque.collect());
+        let all = PlacedTree::of(opaque.collect());
         let before = |sheet: &&Placed| Some((sheet.key, self.close_before(sheet, &all, places)?));
         let found: HashMap<Key, Vec<Key>> = all.placed.par_iter().filter_map(before).collect();
         let looks_back = |key: &Key, before: &Vec<Key>| {
@@ -45,7 +45,7 @@ impl Solids {
     }
 
     /// What is close before a sheet of which all of the front is blind.
-    fn close_before(&self, sheet: &Placed, all: &Among, places: &[DVec3]) -> Option<Vec<Key>> {
+    fn close_before(&self, sheet: &Placed, all: &PlacedTree, places: &[DVec3]) -> Option<Vec<Key>> {
         let front = sheet.surface.front?;
         if !self.is_drawn_from_both_sides(sheet.surface) {
             return None;
@@ -89,7 +89,13 @@ impl Solids {
     }
 
     /// The place in the list of the first surface but `own` on a straight way.
-    pub(super) fn first_met(&self, own: Key, all: &Among, from: DVec3, to: DVec3) -> Option<usize> {
+    pub(super) fn first_met(
+        &self,
+        own: Key,
+        all: &PlacedTree,
+        from: DVec3,
+        to: DVec3,
+    ) -> Option<usize> {
         let mut shares = Vec::new();
         let near = all.meeting(from.min(to), from.max(to)).into_iter();
         let met = near.filter_map(|place| {

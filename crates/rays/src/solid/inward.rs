@@ -1,7 +1,7 @@
 //! Surfaces whose faces look inward though they are no rooms: which, and which of them are to be turned over. Closed
 //! bodies are told by the sign of their volume, others face by face (`wound.rs`).
 
-use super::placed::{Among, Placed};
+use super::placed::{Placed, PlacedTree};
 use super::topology::{Face, Surface, corners};
 use super::{Body, Inside, Solids};
 use glam::DVec3;
@@ -118,7 +118,7 @@ impl Solids {
             return Vec::new();
         }
         let placed = self.placed_surfaces();
-        let all = Among::of(placed.iter().collect());
+        let all = PlacedTree::of(placed.iter().collect());
         let is_body = |of: &Placed| {
             let body = self.placements.get(&of.key);
             let inside = body.map(|&body| &self.bodies[body as usize].inside);
@@ -196,7 +196,7 @@ impl Solids {
             return found;
         }
         let placed = self.placed_surfaces();
-        let all = Among::of(placed.iter().collect());
+        let all = PlacedTree::of(placed.iter().collect());
         let is_wound = |of: &&Placed| {
             let body = self.placements.get(&of.key);
             let inside = body.map(|&body| &self.bodies[body as usize].inside);

@@ -85,12 +85,12 @@ impl Placed<'_> {
 }
 
 /// Some placed surfaces, with a tree over their boxes.
-pub(super) struct Among<'a> {
+pub(super) struct PlacedTree<'a> {
     pub placed: Vec<&'a Placed<'a>>,
     boxes: Boxes,
 }
 
-impl<'a> Among<'a> {
+impl<'a> PlacedTree<'a> {
     pub fn of(placed: Vec<&'a Placed<'a>>) -> Self {
         let numbered = (0..).zip(&placed);
         let boxes = Boxes::of(numbered.map(|(number, placed)| (number, placed.low, placed.high)));
@@ -124,13 +124,13 @@ pub(super) struct Sheet {
 /// sheets tells nothing about what is hidden behind which. So sheets are asked from the largest down, as long as the
 /// surfaces near them are no more than so many for each surface of the scene: a time and a memory that grow with the
 /// scene, not with its square.
-pub(super) fn sheets(all: &Among) -> Vec<Sheet> {
+pub(super) fn sheets(all: &PlacedTree) -> Vec<Sheet> {
     sheets_of(all, |surface| surface.front.is_some(), 0.0)
 }
 
 /// The same with what else is taken for a sheet, and all that comes `within` so far of it, if that is more.
 pub(super) fn sheets_of(
-    all: &Among,
+    all: &PlacedTree,
     is_sheet: impl Fn(&Surface) -> bool,
     within: f64,
 ) -> Vec<Sheet> {

@@ -8,7 +8,7 @@
 
 use super::Solids;
 use super::covers::Covering;
-use super::placed::{Among, CROSSES, Placed, box_corners, most_meetings};
+use super::placed::{CROSSES, Placed, PlacedTree, box_corners, most_meetings};
 use super::topology::{Face, corners};
 use crate::solid::NUDGE;
 use glam::DVec3;
@@ -132,12 +132,12 @@ impl Solids {
 
     pub(super) fn rims_and_covers(&self) -> (Rims, Covering) {
         let placed = self.placed_surfaces();
-        let all = Among::of(placed.iter().collect());
+        let all = PlacedTree::of(placed.iter().collect());
         let rims = self.find_rims(&all);
         (rims, self.find_covers(&all, 0.0))
     }
 
-    fn find_rims(&self, all: &Among) -> Rims {
+    fn find_rims(&self, all: &PlacedTree) -> Rims {
         let mut left = most_meetings(all.placed.len());
         let mut rims = Rims::new();
         // From the largest down, as sheets are asked: see `sheets_of`.
@@ -158,7 +158,7 @@ impl Solids {
     }
 
     /// Flat opaque sheets and flat parts of other opaque surfaces, from the largest down.
-    fn plates(&self, all: &Among) -> Vec<Plate> {
+    fn plates(&self, all: &PlacedTree) -> Vec<Plate> {
         let of = |(place, of): (usize, &&Placed)| -> Vec<Plate> {
             if of.surface.masked {
                 return Vec::new();

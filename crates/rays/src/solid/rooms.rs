@@ -18,7 +18,7 @@
 //! than in it is none, nor is what is full.
 
 use super::opening::Opening;
-use super::placed::{Among, CROSSES, NEAR, Placed, SMALL, box_corners};
+use super::placed::{CROSSES, NEAR, Placed, PlacedTree, SMALL, box_corners};
 use super::topology::{Surface, corners};
 use super::wound::LOOKS;
 use super::{Inside, NUDGE, Solids};
@@ -54,7 +54,7 @@ impl Solids {
         };
         let outward = (0..self.bodies()).filter(|&body| volume(body) > 0.0);
         let outward = self.boxes_of(outward);
-        let all = Among::of(placed.iter().collect());
+        let all = PlacedTree::of(placed.iter().collect());
         let found: Vec<(u32, Inside)> = inward
             .into_par_iter()
             .map(|body| {
@@ -94,7 +94,7 @@ impl Solids {
     /// around what it stands for: nobody is in them.
     fn built_on(&self) -> Vec<u32> {
         let placed = self.placed_surfaces();
-        let all = Among::of(placed.iter().collect());
+        let all = PlacedTree::of(placed.iter().collect());
         let rooms = placed.par_iter().filter(|of| self.is_closed_room(of));
         let is_built_on = |room: &&Placed| {
             let is_in = |at: DVec3| self.is_in(room, at);
@@ -118,7 +118,7 @@ impl Solids {
     pub(super) fn standing(
         &self,
         of: &Placed,
-        all: &Among,
+        all: &PlacedTree,
         is_in: impl Fn(DVec3) -> bool,
     ) -> [f64; 2] {
         let holds = |room: &Placed, at| self.is_closed_room(room) && self.is_in(room, at);
@@ -154,7 +154,7 @@ impl Solids {
         let is_mostly = |placed: &Placed, holds: &(dyn Fn(DVec3) -> bool + Sync)| {
             2 * placed.count(&self.scene, LOOKS, holds) > LOOKS
         };
-        let rest = Among::of(rest);
+        let rest = PlacedTree::of(rest);
         let lived_in = |room: &&&Placed| {
             let is_in = |at| self.is_in(room, at);
             rest.any(room.low, room.high, |other| is_mostly(other, &is_in))
@@ -163,7 +163,7 @@ impl Solids {
         let least = lived_in.iter().map(|room| room.side());
         let least = SMALL * least.fold(f64::INFINITY, f64::min);
         let rooms = placed.iter().filter(|placed| self.is_room(placed));
-        let rooms = Among::of(rooms.chain(lived_in.iter().copied()).collect());
+        let rooms = PlacedTree::of(rooms.chain(lived_in.iter().copied()).collect());
         let outside = |at| !rooms.any(at, at, |room| self.is_in(room, at));
         let keys: HashSet<Key> = rooms.placed.iter().map(|room| room.key).collect();
         let is_room = |placed: &Placed| keys.contains(&placed.key);
@@ -200,7 +200,7 @@ impl Solids {
         let placed = self.placed_surfaces();
         let (rooms, rest): (Vec<&Placed>, Vec<&Placed>) =
             placed.iter().partition(|placed| self.is_room(placed));
-        let [rooms, rest] = [rooms, rest].map(Among::of);
+        let [rooms, rest] = [rooms, rest].map(PlacedTree::of);
         let outside = |point: DVec3| !rooms.any(point, point, |room| self.is_in(room, point));
         if rooms.placed.is_empty() {
             return Default::default();
@@ -218,7 +218,7 @@ impl Solids {
             .collect();
         let buries = |views: &[View]| views.iter().all(View::may_be_parted);
         let may_bury = (0..rooms.placed.len()).filter(|&room| buries(&views[room]));
-        let may_bury = Among::of(may_bury.map(|room| rooms.placed[room]).collect());
+        let may_bury = PlacedTree::of(may_bury.map(|room| rooms.placed[room]).collect());
         // How each surface that comes near stands to the rooms.
         let stands: BTreeMap<Key, Stand> = (rest.placed.par_iter())
             .filter(|placed| may_bury.any(placed.low, placed.high, |_| true))
@@ -313,7 +313,7 @@ impl Solids {
         !view.beyond.iter().any(is_within) && !of.surface.front.is_some_and(is_behind)
     }
 
-    fn stand(&self, placed: &Placed, rooms: &Among, views: &[Vec<View>]) -> Stand {
+    fn stand(&self, placed: &Placed, rooms: &PlacedTree, views: &[Vec<View>]) -> Stand {
         let reach = placed.low.abs().max(placed.high.abs()).max_element();
         let least = (CROSSES * placed.size()).max(2.0 * NUDGE * reach);
         let near = rooms.meeting(placed.low, placed.high);

@@ -7,7 +7,7 @@
 //! * all of each opening lies on or behind one ground, in front of which the surface stands, or in another solid;
 //! * nothing else lies wholly within: else it is a tent or a dome, and its inside is a place.
 
-use super::placed::{Among, NEAR, Placed};
+use super::placed::{NEAR, Placed, PlacedTree};
 use super::{Inside, Solids};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -30,7 +30,7 @@ impl Solids {
         if hollow.is_empty() {
             return Vec::new();
         }
-        let all = Among::of(placed.iter().collect());
+        let all = PlacedTree::of(placed.iter().collect());
         let is_shut = |of: &&&Placed| {
             let lies_within = |other: &Placed| other.key != of.key && self.is_within(of, other);
             self.openings_are_hidden(of, &all) && !all.any(of.low, of.high, lies_within)
@@ -40,7 +40,7 @@ impl Solids {
     }
 
     /// True where all openings of a surface lie on or behind a ground that it stands on, or in another solid.
-    fn openings_are_hidden(&self, of: &Placed, all: &Among) -> bool {
+    fn openings_are_hidden(&self, of: &Placed, all: &PlacedTree) -> bool {
         let slack = NEAR * of.size();
         let (low, high) = (of.low - slack, of.high + slack);
         let near = all.meeting(low, high);

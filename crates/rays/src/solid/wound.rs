@@ -10,7 +10,7 @@
 //! nothing of the surface and of its shadow on the hole's plane. The mouth of a tunnel is all of that shadow, however
 //! long the tunnel is.
 
-use super::placed::{Among, Placed};
+use super::placed::{Placed, PlacedTree};
 use super::topology::{Face, Surface, corners};
 use super::{NUDGE, Solids};
 use glam::DVec3;
@@ -94,7 +94,7 @@ impl Solids {
 
     /// True where faces of a mixed surface look inward and what stands around it stops each hole through which one
     /// would look, as snow lies on a branch.
-    pub(super) fn is_wound(&self, of: &Placed, all: &Among) -> bool {
+    pub(super) fn is_wound(&self, of: &Placed, all: &PlacedTree) -> bool {
         let wound = self.wound_but_for_holes(of.shape, of.key.1);
         let is_stopped = |hole: &usize| self.is_stopped(of, &of.surface.caps[*hole], all);
         !wound.faces.is_empty() && wound.open.iter().all(is_stopped)
@@ -102,7 +102,7 @@ impl Solids {
 
     /// True where other surfaces stand in nearly all of a hole: close to it, or on both sides of it, as the skin of
     /// what is stuck in it.
-    fn is_stopped(&self, of: &Placed, cap: &[[[f32; 3]; 3]], all: &Among) -> bool {
+    fn is_stopped(&self, of: &Placed, cap: &[[[f32; 3]; 3]], all: &PlacedTree) -> bool {
         let place = |corner: [f32; 3]| {
             let corner = DVec3::from(corner.map(f64::from));
             of.transform.transform_point3(corner)
@@ -236,7 +236,7 @@ impl Solids {
     /// True where a surface that looks inward, or is to do so, is a room or a cavity: something lies for the most part
     /// in its air, and no more than that stands on it outside of all rooms, or it lies in a solid. `winding`: the sign
     /// of its winding number in its air.
-    pub(super) fn is_lived_in(&self, of: &Placed, winding: i32, all: &Among) -> bool {
+    pub(super) fn is_lived_in(&self, of: &Placed, winding: i32, all: &PlacedTree) -> bool {
         let is_cavity = |other: &Placed| {
             let is_solid = other.key != of.key && other.surface.volume > 0.0;
             is_solid && self.is_deep_within(other, of)

@@ -15,7 +15,7 @@
 mod tests;
 
 use super::Solids;
-use super::placed::{ABOUT, Among, Placed, Sheet, box_corners, sheets_of};
+use super::placed::{ABOUT, Placed, PlacedTree, Sheet, box_corners, sheets_of};
 use super::topology::{Face, Surface, corners};
 use crate::boxes::Boxes;
 use crate::solid::NUDGE;
@@ -190,7 +190,7 @@ impl Solids {
     /// the two.
     pub fn covering(&self, above: f64) -> Covering {
         let placed = self.placed_surfaces();
-        self.find_covers(&Among::of(placed.iter().collect()), above)
+        self.find_covers(&PlacedTree::of(placed.iter().collect()), above)
     }
 
     /// What may cover a triangle of all that does in `asked`, or, where that is `None`, of what lies at most a 32nd of
@@ -219,7 +219,7 @@ impl Solids {
     }
 
     /// As [`Self::covering`].
-    pub(super) fn find_covers(&self, all: &Among, least: f64) -> Covering {
+    pub(super) fn find_covers(&self, all: &PlacedTree, least: f64) -> Covering {
         let placed = &all.placed;
         let is_layer = |surface: &Surface| surface.is_layer(&self.scene);
         let sheets = sheets_of(all, is_layer, least);

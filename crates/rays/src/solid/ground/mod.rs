@@ -20,7 +20,7 @@
 mod facing;
 mod stand;
 
-use super::placed::{Among, CROSSES, NEAR, Placed, SMALL, Sheet, sheets};
+use super::placed::{CROSSES, NEAR, Placed, PlacedTree, SMALL, Sheet, sheets};
 use super::topology::corners;
 use super::{Inside, Solids};
 use facing::{backward, behind, cosine, facing, is_near, looks_alike};
@@ -107,7 +107,7 @@ impl Solids {
     /// By sheet, what is rooted in it: placements and numbers of surfaces.
     fn rooted_in_grounds(&self) -> BTreeMap<Key, Vec<Key>> {
         let placed = self.placed_surfaces();
-        let all = Among::of(placed.iter().collect());
+        let all = PlacedTree::of(placed.iter().collect());
         let sheets = sheets(&all);
         let grounds = self.grounds(&placed, &sheets);
         // The size of what a surface is part of.
@@ -172,7 +172,7 @@ impl Solids {
         &self,
         ground: &Ground,
         placed: &[Placed],
-        all: &Among,
+        all: &PlacedTree,
         sheets: &[Sheet],
         sizes: &[f64],
     ) -> Vec<(Key, Vec<Key>)> {
@@ -292,7 +292,7 @@ impl Solids {
     fn covers_alike(
         &self,
         ground: &Ground,
-        (sheets, all): (&[Sheet], &Among),
+        (sheets, all): (&[Sheet], &PlacedTree),
         other: &Placed,
     ) -> bool {
         let members = || {

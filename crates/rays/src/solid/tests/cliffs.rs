@@ -1,6 +1,6 @@
 //! Scenes in which everything meets everything: what is asked grows with them, and not with their squares.
 
-use super::placed::{Among, most_meetings, sheets};
+use super::placed::{PlacedTree, most_meetings, sheets};
 use super::*;
 use crate::mix::Mix;
 
@@ -44,7 +44,7 @@ fn a_heap_of_sheets_is_asked_in_proportion_and_the_ground_beside_it_as_ever() {
         meshes.extend((0..count).map(|_| blade()));
         let solids = solids(meshes);
         let placed = solids.placed_surfaces();
-        let found = sheets(&Among::of(placed.iter().collect()));
+        let found = sheets(&PlacedTree::of(placed.iter().collect()));
         let asked: usize = found.iter().map(|sheet| sheet.near.len()).sum();
         assert!(asked <= most_meetings(placed.len()), "{count}: {asked}");
         assert_eq!(found[0].near, [1], "the largest is asked first");
