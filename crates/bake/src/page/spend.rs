@@ -23,8 +23,8 @@ const PILOT: u32 = 8;
 const LEAST: u32 = 4;
 
 /// The second pilot takes one in so many of the rays that the first one asks for, where that is more than the first
-/// took.
-const PART: u32 = 8;
+/// took. Fewer rays than that are not worth the surfaces of all texels a third time.
+const PART: u32 = 32;
 
 /// How errors fall with the number of rays, after denoising and without: like its power of minus this.
 const DENOISED: f64 = 0.5;
