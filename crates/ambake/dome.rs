@@ -6,6 +6,7 @@ use atlas::ObjectName;
 use glam::DVec3;
 use rays::{Bounds, Ray, RayBackend, World};
 use report::WarningReport;
+use std::collections::BTreeSet;
 
 /// A dome has at least this share of the scene's largest side.
 const LARGE: f64 = 0.49;
@@ -21,7 +22,7 @@ const LEAVING: u32 = 200;
 /// One in so many meets it, and of these one in so many may meet something beyond it.
 const MEETING: u32 = 10;
 /// Of the faces in a closed body one in so many may lie in no solid.
-const FREE: u32 = 16;
+const FREE: usize = 16;
 
 /// The warning that names a sheet around most of a scene, which hides the sky from all that is in it. `None` where
 /// light was asked for that needs no sky.
@@ -30,17 +31,14 @@ pub(crate) fn enclosed(job: &Job) -> Option<WarningReport> {
         return None;
     }
     let (world, backend) = (job.world(), job.backend());
-    let sheet = find(world, |dome, within| {
-        is_sheet_around(world, backend, dome, within)
-    });
-    let (dome, message) = match sheet {
+    let (dome, message) = match sheet_around(world, backend) {
         Some(dome) => (
             dome,
             "what stands in it sees no sky; where it is a sky dome or a shell, `--no-cast NAME` lets the light \
              through it",
         ),
         None => (
-            find(world, |_, within| are_buried(world, within))?,
+            find(world, |dome, within| buries(world, dome, within))?,
             "what stands in a body that looks outward lies in a solid and gets no light; where the body is a sky dome \
              or a shell, `--no-cast NAME` lets the light through it",
         ),
@@ -56,9 +54,13 @@ pub(crate) fn enclosed(job: &Job) -> Option<WarningReport> {
 /// The instances of what stands around most of a scene and keeps the sky from it, such as a sky dome that blocks light;
 /// none where nothing does. A picture of the scene is taken from within it, see [`render::Framing::fitted`].
 pub fn surrounding(world: &World, backend: &dyn RayBackend) -> Vec<u32> {
-    let is_around =
-        |dome: &ObjectName, within: &[&ObjectName]| is_sheet_around(world, backend, dome, within);
-    find(world, is_around).map_or(Vec::new(), |dome| dome.instances)
+    sheet_around(world, backend).map_or(Vec::new(), |dome| dome.instances)
+}
+
+fn sheet_around(world: &World, backend: &dyn RayBackend) -> Option<ObjectName> {
+    find(world, |dome, within| {
+        is_sheet_around(world, backend, dome, within)
+    })
 }
 
 /// The largest object with most others in its box, of some of which something holds.
@@ -162,15 +164,23 @@ fn some_faces<'a>(
     })
 }
 
-/// True where nearly all of some objects lies in solids.
-fn are_buried(world: &World, objects: &[&ObjectName]) -> bool {
-    let is_free =
-        |&(instance, triangle): &(u32, u32)| !world.is_buried(instance, triangle, [1.0 / 3.0; 3]);
-    let faces = some_faces(world, objects);
-    let (free, all) = faces.fold((0, 0), |(free, all), face| {
-        (free + u32::from(is_free(&face)), all + 1)
-    });
-    all > 0 && FREE * free <= all
+/// True where nearly all of some objects lies in solids of another.
+fn buries(world: &World, solid: &ObjectName, objects: &[&ObjectName]) -> bool {
+    let solids = world.solids();
+    let shell = [solid];
+    let bodies = some_faces(world, &shell).filter_map(|face| solids.own(face.0, face.1));
+    let bodies: BTreeSet<u32> = bodies.collect();
+    let is_in = |&(instance, triangle): &(u32, u32)| {
+        let middle = world.corners(instance, triangle).iter().sum::<DVec3>() / 3.0;
+        let own = solids.own(instance, triangle);
+        let mut bodies = bodies.iter();
+        bodies.any(|&body| solids.depth(body, middle, own) > 0)
+    };
+    let all = some_faces(world, objects).count();
+    let free = some_faces(world, objects)
+        .filter(|face| !is_in(face))
+        .count();
+    !bodies.is_empty() && all > 0 && FREE * free <= all
 }
 
 /// What becomes of rays from the middle of a face; nothing of one that is buried, as the bottom of what stands on a

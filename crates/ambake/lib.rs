@@ -76,8 +76,9 @@
 //!
 //! For those who change the library:
 //!
-//! * From a file to its scene: `load.rs`. What is asked for: `bake` and `options`, its flags `flags`, their words `words.rs`. A bake between plan and result: `job.rs`, `run.rs` and `run_into.rs`, what it
-//!   warns of `warnings.rs`. What is written, and which names of an earlier bake go: `write`.
+//! * From a file to its scene: `load.rs`. What is asked for: `bake` and `options`, its flags `flags`, their words
+//!   `words.rs`. A bake between plan and result: `job.rs`, `run.rs` and `run_into.rs`, what it warns of `warnings.rs`.
+//!   What is written, and which names of an earlier bake go: `write`.
 //! * What a bake will take: `estimate.rs`, its memory `memory.rs`. Whether a scene is an interior: `interior.rs`,
 //!   and what stands around it: `dome.rs`.
 //! * Where objects lie on pages: `object.rs`. Values at vertices: `vertices.rs`.

@@ -94,7 +94,8 @@ impl Options {
         check_sky(&self.sky)?;
         let sends = |rgb: [f32; 3]| self.bounces == Bounces::Off || rgb.iter().all(within(1.0));
         if !self.albedo.is_none_or(sends) {
-            let problem = "each channel must be from 0 to 1 with --bounces: no surface sends on more light than it receives";
+            let problem = "each channel must be from 0 to 1 with --bounces: no surface sends on more light than \
+                           it receives";
             return fail("albedo", problem);
         }
         check_lights(&self.lights)?;

@@ -10,8 +10,8 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 /// The sentence about normalisation that every output carries.
-pub(super) const CONVENTION: &str = "terms are normalised so that an unoccluded texel is 1 under the uniform sky at normal \
-     view: visibility = open solid angle / 2 pi; diffuse = (1/pi) integral of V cos; \
+pub(super) const CONVENTION: &str = "terms are normalised so that an unoccluded texel is 1 under the uniform sky at \
+     normal view: visibility = open solid angle / 2 pi; diffuse = (1/pi) integral of V cos; \
      specular = ((n+1)/2 pi) integral of V (R.V)^n; linear values; row 0 is v = 0";
 
 /// Says that the scene's files are no longer what was baked.
@@ -20,7 +20,9 @@ pub(super) fn edited(job: &Job) -> Option<report::WarningReport> {
         kind: "edited-scene".into(),
         place: job.scene().path.display().to_string(),
         count: 1,
-        message: "the scene's files were edited or removed during the bake; the results are those of the scene as it was read".into(),
+        message: "the scene's files were edited or removed during the bake; the results are those of the scene as it \
+                  was read"
+            .into(),
     })
 }
 
@@ -79,8 +81,8 @@ pub(super) fn light_is_missing(job: &Job, stats: &BounceStats) -> Option<report:
         place: job.scene().path.display().to_string(),
         count: 1,
         message: format!(
-            "after {} gathers {percent:.0} % of the light is still missing: nearly white surfaces send it on and on; give them less albedo with \
-             --albedo, or a number of gathers with --bounces",
+            "after {} gathers {percent:.0} % of the light is still missing: nearly white surfaces send it on and on; \
+             give them less albedo with --albedo, or a number of gathers with --bounces",
             stats.gathers
         ),
     })

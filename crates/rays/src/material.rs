@@ -2,7 +2,7 @@
 
 use crate::backend::SurfaceHit;
 use glam::{DVec2, DVec3, Vec2, Vec3};
-use scene::{Instance, Material, Mesh, Scene, Surface, TextureRef};
+use scene::{Alpha, Instance, Material, Mesh, Scene, Surface, TextureRef};
 
 /// Parameters of the Phong model, of a point or averaged over an area.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -231,6 +231,16 @@ fn uv_at(mesh: &Mesh, triangle: u32, weights: [f64; 3], set: u32) -> Vec2 {
         sum += uvs[*corner as usize].as_dvec2() * weight;
     }
     sum.as_vec2()
+}
+
+/// True where a surface that blocks light lets a share of it pass: no cut-out, which stops or lets through.
+pub(crate) fn has_panes(scene: &Scene) -> bool {
+    scene.instances.iter().any(|instance| {
+        let mesh = &scene.meshes[instance.mesh as usize];
+        let material = &scene.materials[mesh.material as usize];
+        let is_blend = matches!(material.alpha, Alpha::Blend { .. });
+        instance.casts && (is_blend || material.transmission.is_some())
+    })
 }
 
 /// True where a surface that blocks light lets some of it pass with a tint.

@@ -6,14 +6,12 @@ use crate::panes::relative;
 use crate::surface::{Patch, PlaneErrors};
 use crate::world::World;
 use glam::{DVec3, Vec3};
-use scene::{Alpha, Material, Scene};
 
 /// Turns hits into surface points.
 #[derive(Debug)]
 pub struct Surfaces<'a> {
     world: &'a World,
     errors: PlaneErrors,
-    panes: bool,
 }
 
 /// A point of a surface as seen from one side.
@@ -40,7 +38,6 @@ impl<'a> Surfaces<'a> {
         Self {
             world,
             errors: PlaneErrors::of(world),
-            panes: has_panes(world.scene()),
         }
     }
 
@@ -90,11 +87,6 @@ impl<'a> Surfaces<'a> {
         scene.materials[mesh.material as usize].emission != Vec3::ZERO
     }
 
-    /// True where a surface of the scene lets a share of light pass: no cut-out, which stops or lets through.
-    pub fn has_panes(&self) -> bool {
-        self.panes
-    }
-
     /// The share of the light that the surface stops at a hit, 0..=1.
     pub fn stopped(&self, hit: &SurfaceHit) -> f32 {
         let alpha = self.world.part(hit.instance).1.alpha.as_ref();
@@ -113,17 +105,6 @@ impl<'a> Surfaces<'a> {
     pub fn emission(&self, hit: &SurfaceHit) -> DVec3 {
         emission_at(self.world.scene(), hit)
     }
-}
-
-fn has_panes(scene: &Scene) -> bool {
-    let is_pane = |material: &Material| {
-        matches!(material.alpha, Alpha::Blend { .. }) || material.transmission.is_some()
-    };
-    let materials = scene.instances.iter().map(|instance| {
-        let mesh = &scene.meshes[instance.mesh as usize];
-        &scene.materials[mesh.material as usize]
-    });
-    materials.into_iter().any(is_pane)
 }
 
 #[cfg(test)]

@@ -78,7 +78,8 @@ impl Direct<'_> {
             left: 1.0,
             tint: Vec3::ONE,
         };
-        while self.surfaces.has_panes() && layers.left > FAINTEST {
+        let has_panes = self.surfaces.world().has_panes();
+        while has_panes && layers.left > FAINTEST {
             let next = self.backend.closest_that(&ray, Stops::Any);
             let Some(hit) = next.filter(|hit| hit.t < end) else {
                 break;

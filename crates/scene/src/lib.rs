@@ -7,10 +7,9 @@
 //!
 //! # Where what is
 //!
-//! * From a file to its scene: `load.rs`. OBJ: `obj`. glTF: `gltf`, where `conformance` is the table of what is read, `said.rs` knows what
-//!   `extras.ambake` says, `compressed` decodes meshes and
-//!   `lights.rs` has the lights. Scenes made in memory: `authored`, their materials
-//!   `authored/material.rs`.
+//! * From a file to its scene: `load.rs`. OBJ: `obj`. glTF: `gltf`, where `conformance` is the table of what is read,
+//!   `said.rs` knows what `extras.ambake` says, `compressed` decodes meshes and `lights.rs` has the lights. Scenes made
+//!   in memory: `authored`, their materials `authored/material.rs`.
 //! * What is repaired and what is refused: `validate.rs`.
 //! * What a load has so far, and what it may read: `input.rs`. Where the files of a scene may lie, and which are read:
 //!   `source.rs`, for pictures of a glTF `gltf/document.rs`. `SECURITY.md` says why.

@@ -2,6 +2,7 @@
 
 mod baker;
 mod compose;
+mod composed;
 mod directional;
 mod finish;
 mod integrated;

@@ -7,6 +7,7 @@
 //! its ceiling. Two sheets that look at each other are a floor and a ceiling as well.
 
 use super::placed::{ABOUT, Placed, PlacedTree};
+use super::spread::{corners_too, parts};
 use super::wound::LOOKS;
 use super::{Covers, Solids};
 use glam::DVec3;
@@ -16,12 +17,6 @@ use std::collections::{HashMap, HashSet};
 /// How close that is at most, in widths of the sheet: at the middle of a strip that leaves 3 % of a uniform light. No
 /// more than [`ABOUT`] of its length either: people stand between a wide floor and its ceiling.
 const NARROW: f64 = 0.125;
-/// About so many points of a sheet are asked, in triangles cut into so many parts at most along an edge.
-const ASKED: usize = 256;
-const PARTS: usize = 8;
-/// How far from a triangle's border they lie at least, as a share of the way to its middle: two surfaces may end
-/// together.
-const INSET: f64 = 1.0 / 64.0;
 
 /// A surface of a placement: their numbers.
 type Key = (u32, u32);
@@ -54,12 +49,12 @@ impl Solids {
         let reach = sheet.low.abs().max(sheet.high.abs()).max_element();
         let clear = Covers::least(reach);
         let sense = sheet.transform.matrix3.determinant().signum();
-        let parts = (ASKED / sheet.surface.faces.len()).isqrt().clamp(1, PARTS);
+        let parts = parts(sheet.surface.faces.len());
         let points = || {
             let faces = sheet.faces(&self.scene);
             faces.flat_map(move |[a, b, c]| {
                 let up = sense * (b - a).cross(c - a).normalize_or_zero();
-                let parts = lattice(parts).filter(move |_| up != DVec3::ZERO);
+                let parts = corners_too(parts).filter(move |_| up != DVec3::ZERO);
                 parts.map(move |[u, v, w]| (u * a + v * b + w * c, up))
             })
         };
@@ -113,12 +108,4 @@ impl Solids {
         met.min_by(|a, b| a.0.total_cmp(&b.0))
             .map(|(_, place)| place)
     }
-}
-
-/// Weights of points all over a triangle whose edges are cut into so many parts.
-fn lattice(parts: usize) -> impl Iterator<Item = [f64; 3]> {
-    let rows = (0..=parts).flat_map(move |i| (0..=parts - i).map(move |j| [i, j, parts - i - j]));
-    rows.map(move |steps| {
-        steps.map(|step| INSET / 3.0 + (1.0 - INSET) * step as f64 / parts as f64)
-    })
 }

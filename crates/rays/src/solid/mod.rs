@@ -37,6 +37,7 @@ mod rims;
 mod rooms;
 mod shape;
 mod shut;
+mod spread;
 mod topology;
 mod tree;
 mod wound;

@@ -11,6 +11,7 @@
 //! long the tunnel is.
 
 use super::placed::{Placed, PlacedTree};
+use super::spread::{middles, parts};
 use super::topology::{Face, Surface, corners};
 use super::{NUDGE, Solids};
 use glam::DVec3;
@@ -30,8 +31,6 @@ const MOST: f64 = 0.5;
 const ODD: f64 = 0.1;
 /// What stops a hole stands this near to its panes, in widths of the hole, or through them.
 const STOP: f64 = 0.125;
-/// Parts of a pane's edge between which points of it are asked.
-const PARTS: usize = 8;
 /// What stands in a room has this share of the room's side, together: else it is stuck in a wall.
 const STANDS: f64 = 1.0 / 1024.0;
 /// Faces that are asked first.
@@ -114,22 +113,21 @@ impl Solids {
         // A pane's front is that of the faces, which look inward.
         let outward = -hole.normalize_or_zero();
         let width = hole.length().sqrt();
+        let is_met = |at: DVec3, from: f64, to: f64| {
+            let ends = [from, to].map(|step| at + step * width * outward);
+            self.first_met(of.key, all, ends[0], ends[1]).is_some()
+        };
+        let is_stopped = |at: &DVec3| {
+            is_met(*at, -STOP, STOP) || is_met(*at, 0.0, 1.0) && is_met(*at, 0.0, -1.0)
+        };
+        let points: Vec<[f64; 3]> = middles(parts(cap.len())).collect();
         let (mut asked, mut stopped) = (0.0, 0.0);
         for pane in &panes {
-            let area = across(pane).length();
             let [a, b, c] = *pane;
-            let points: Vec<[f64; 3]> = middles(PARTS).collect();
-            for [u, v, w] in &points {
-                let at = *u * a + *v * b + *w * c;
-                let share = area / points.len() as f64;
-                let is_met = |from: f64, to: f64| {
-                    let ends = [from, to].map(|step| at + step * width * outward);
-                    self.first_met(of.key, all, ends[0], ends[1]).is_some()
-                };
-                let is_stopped = is_met(-STOP, STOP) || is_met(0.0, 1.0) && is_met(0.0, -1.0);
-                asked += share;
-                stopped += if is_stopped { share } else { 0.0 };
-            }
+            let places = points.iter().map(|[u, v, w]| *u * a + *v * b + *w * c);
+            let share = across(pane).length() / points.len() as f64;
+            asked += share * points.len() as f64;
+            stopped += share * places.filter(is_stopped).count() as f64;
         }
         stopped >= (1.0 - HOLE) * asked
     }
@@ -269,13 +267,4 @@ impl Solids {
             material.double_sided && material.emission == glam::Vec3::ZERO
         })
     }
-}
-
-/// Weights of points spread over a triangle: the middles of some of the parts into which its edges are cut.
-fn middles(parts: usize) -> impl Iterator<Item = [f64; 3]> {
-    let rows = (0..parts).flat_map(move |i| (0..parts - i).map(move |j| [i, j]));
-    rows.map(move |steps| {
-        let [u, v] = steps.map(|step| (step as f64 + 1.0 / 3.0) / parts as f64);
-        [u, v, 1.0 - u - v]
-    })
 }

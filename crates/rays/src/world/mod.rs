@@ -11,7 +11,7 @@ use crate::alpha_test::alpha_blocks;
 use crate::error::Error;
 use crate::geometry::{Bounds, Geometry};
 use crate::instancing::{room, served};
-use crate::material::has_tints;
+use crate::material::{has_panes, has_tints};
 use crate::normal_maps::NormalMaps;
 use crate::origin::brought_near;
 use crate::part::Part;
@@ -58,6 +58,8 @@ pub struct World {
     averse: HashMap<u32, HashSet<u32>>,
     /// See [`World::solids`].
     solids: OnceLock<Solids>,
+    /// See [`World::has_panes`].
+    panes: bool,
     /// See [`World::has_tints`].
     tinted: bool,
 }
@@ -106,7 +108,7 @@ impl World {
             parts.push(part);
         }
         let bounds = Bounds::of(&geometries, &parts);
-        let tinted = has_tints(&scene);
+        let (panes, tinted) = (has_panes(&scene), has_tints(&scene));
         Ok(Self {
             scene,
             geometries,
@@ -117,6 +119,7 @@ impl World {
             backs: HashMap::new(),
             averse: HashMap::new(),
             solids: OnceLock::new(),
+            panes,
             tinted,
         })
     }
@@ -194,6 +197,11 @@ impl World {
     /// The scene this world was built from.
     pub fn scene(&self) -> &Arc<Scene> {
         &self.scene
+    }
+
+    /// True where a surface lets a share of light pass: no cut-out, which stops or lets through.
+    pub fn has_panes(&self) -> bool {
+        self.panes
     }
 
     /// True where light passes a surface with a tint: the channels of one ray then differ.

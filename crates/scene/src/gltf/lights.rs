@@ -1,6 +1,6 @@
 //! `KHR_lights_punctual`: suns, point lights and spots, where their nodes stand.
 
-use super::nodes::own_name;
+use super::names::own_name;
 use super::reader::Reader;
 use crate::input::{Input, short};
 use crate::{Light, LightKind, WarningKind};

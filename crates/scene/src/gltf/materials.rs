@@ -1,7 +1,7 @@
 //! glTF materials and the images they read.
 
 use super::images::{images, packed_images};
-use super::nodes::own_name;
+use super::names::own_name;
 use super::phong::{Phong, phong};
 use super::reader::Reader;
 use crate::GltfDocument;

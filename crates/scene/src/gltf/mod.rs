@@ -17,6 +17,7 @@ mod elements;
 mod images;
 mod lights;
 mod materials;
+mod names;
 mod nodes;
 mod phong;
 mod primitives;

@@ -3,6 +3,7 @@
 use super::accessor::{index, shown, stated};
 use super::elements::Type;
 use super::lights;
+use super::names::own_name;
 use super::reader::Reader;
 use super::said::Said;
 use crate::GltfDocument;
@@ -209,12 +210,6 @@ fn numbered(json: &Value, key: &str, what: &str, count: usize) -> Result<Vec<usi
     };
     let list = list.and_then(Value::as_array);
     list.into_iter().flatten().map(number).collect()
-}
-
-/// The name of a node, a mesh or a material; `None` without one that anybody could read and type.
-pub(super) fn own_name(json: &Value) -> Option<&str> {
-    let name = json.get("name").and_then(Value::as_str);
-    name.filter(|name| !name.trim().is_empty())
 }
 
 /// A node or a mesh by its name, else by its number.

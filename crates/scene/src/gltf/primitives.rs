@@ -2,7 +2,8 @@
 
 use super::accessor::{index, shown, stated};
 use super::elements::{Elements, Type};
-use super::nodes::{Placement, own_name};
+use super::names::own_name;
+use super::nodes::Placement;
 use super::reader::Reader;
 use crate::GltfDocument;
 use crate::input::{Input, short};

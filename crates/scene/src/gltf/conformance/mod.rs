@@ -7,7 +7,7 @@
 #[cfg(test)]
 mod tests;
 
-use super::nodes::own_name;
+use super::names::own_name;
 use crate::WarningKind;
 use crate::input::{Input, short};
 use Support::{Approximated, Harmless, Honoured, NotRead};

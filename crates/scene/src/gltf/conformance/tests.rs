@@ -79,7 +79,9 @@ fn loaded(edit: impl FnOnce(&mut Value)) -> Result<crate::Scene, crate::Error> {
             { "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC2" },
         ],
         "materials": [{ "name": "m", "pbrMetallicRoughness": { "metallicFactor": 0 } }],
-        "meshes": [{ "name": "m", "primitives": [{ "attributes": { "POSITION": 0, "TEXCOORD_0": 1 }, "material": 0 }] }],
+        "meshes": [{ "name": "m", "primitives": [
+            { "attributes": { "POSITION": 0, "TEXCOORD_0": 1 }, "material": 0 },
+        ] }],
         "nodes": [{ "name": "n", "mesh": 0 }],
         "images": [{ "uri": "data:," }],
         "textures": [{ "source": 0 }],
