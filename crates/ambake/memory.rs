@@ -1,7 +1,7 @@
 //! How much memory a bake will take, and how much there is.
 
 use crate::error::{Error, LimitedBy};
-use ::bake::{Denoise, Effort, Plan, Seams};
+use ::bake::{Denoise, Effort, Plan, Seams, bytes_of_surveys};
 use layers::Layer;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -150,7 +150,12 @@ impl Memory {
         };
         let one = bakes.max(finishes).max(composes).max(seeks);
         if self.light == 0 {
-            return one;
+            return one
+                + if self.seeks {
+                    bytes_of_surveys(covered)
+                } else {
+                    0
+                };
         }
         // Light goes from page to page, so all of them wait for it.
         let kept = texels * 4 * self.kept;
@@ -158,7 +163,7 @@ impl Memory {
         let bounces =
             pages * (kept + texels * (4 * self.light + 2 * SENT + PATCH)) + waiting.min(WAITING);
         let last = denoise.max(pages * texels * SENT);
-        (one + (pages - 1) * kept).max(bounces + last)
+        (one + (pages - 1) * kept).max(bounces + last) + bytes_of_surveys(pages * covered)
     }
 }
 

@@ -234,7 +234,7 @@ impl Baker<'_> {
                 if progress.cancelled() {
                     return None;
                 }
-                let texels = self.survey(&self.cut(&raster, index), page);
+                let texels = self.texels(&raster, page, index);
                 let patches = texels.iter();
                 Some(
                     patches
@@ -312,7 +312,7 @@ impl Baker<'_> {
                 if progress.cancelled() {
                     return None;
                 }
-                let texels = self.survey(&self.cut(&raster, index as usize), page);
+                let texels = self.texels(&raster, page, index as usize);
                 let texels = self.tile_light(gather, number, page as usize, &texels);
                 let tile = light::tile(index, &texels, &columns);
                 progress.rays(tile.stats.rays);

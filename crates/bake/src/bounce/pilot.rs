@@ -61,7 +61,7 @@ impl<'a> GatherPilot<'a> {
     pub fn tile(&self, raster: &PageRaster<'_>, page: u32, index: usize) -> Taken {
         let of_surfaces = || self.baker.gather(&self.sent, true, &self.spots);
         let clock = ThreadClock::now();
-        let texels = self.baker.survey(&self.baker.cut(raster, index), page);
+        let texels = self.baker.survey(raster, page, index);
         let survey = clock.seconds();
         let rays = |light: &[TexelLight]| light.iter().map(|texel| texel.rays as f64).sum();
         let mut direct = [0.0; 2];
@@ -113,7 +113,8 @@ impl<'a> GatherPilot<'a> {
         // In units of the last.
         let points = |last| f64::from(self.baker.gather(&self.sent, last, &self.spots).points);
         let work = 1.0 + before * points(false) / points(true);
-        let seconds = seconds + (1.0 + before) * taken.survey + work * taken.light;
+        let survey = (1.0 + before) * self.baker.remade() * taken.survey;
+        let seconds = seconds + survey + work * taken.light;
         ((rays + taken.rays * work) as u64, seconds)
     }
 }

@@ -3,6 +3,7 @@
 use super::finish::{Site, finish};
 use super::planes::{BakedPage, LayerPlanes};
 use super::stats::PageStats;
+use super::surveys::Surveys;
 use super::terms::working_layers;
 use super::tile::{BakedTile, Columns};
 use crate::options::{Buried, Options};
@@ -36,6 +37,10 @@ pub struct Baker<'a> {
     /// finished without those before it is not tied to them.
     across: Across,
     rasters: Rasters,
+    /// Texels that were made and are needed again; a pilot shares those of its baker.
+    pub(super) surveys: Arc<Surveys>,
+    /// It only says how large errors are, by points of its own.
+    pub(super) is_pilot: bool,
     /// Rays of the texels of each tile, by page.
     pub(super) spent: Vec<OnceLock<Vec<u32>>>,
     /// Texels finished so far, over all pages.
@@ -58,8 +63,25 @@ impl<'a> Baker<'a> {
         Self::covered(world, plan, backend, atlas, options, covering)
     }
 
-    /// The same where what covers what is known.
-    pub(super) fn covered(
+    /// A baker of the same that only says how large errors are.
+    pub(super) fn seeking<'b>(&'b self, options: &'b Options) -> Baker<'b> {
+        let (world, plan, backend) = (self.world, self.plan, self.backend);
+        Baker {
+            surveys: Arc::clone(&self.surveys),
+            is_pilot: true,
+            ..Baker::covered(
+                world,
+                plan,
+                backend,
+                self.atlas,
+                options,
+                self.covering.clone(),
+            )
+        }
+    }
+
+    /// A baker where what covers what is known.
+    fn covered(
         world: &'a World,
         plan: &'a Plan,
         backend: &'a dyn RayBackend,
@@ -83,6 +105,8 @@ impl<'a> Baker<'a> {
             errors: PlaneErrors::of(world),
             across: Across::default(),
             rasters: Rasters::default(),
+            surveys: Arc::default(),
+            is_pilot: false,
             spent: vec![OnceLock::new(); atlas.page_count as usize],
             done: AtomicU64::new(0),
         }
@@ -225,8 +249,8 @@ impl<'a> Baker<'a> {
             if progress.cancelled() {
                 return None;
             }
-            let cut = self.cut(raster, index as usize);
-            let tile = self.tile(&cut, page, rays[index as usize]);
+            let texels = self.texels(raster, page, index as usize);
+            let tile = self.tile(texels, page, rays[index as usize]);
             let result = self.result(index, &columns, &tile);
             let own = result.stats.texels;
             let done = self.done.fetch_add(own, Ordering::Relaxed) + own;

@@ -4,6 +4,7 @@ use super::baker::Baker;
 use super::compose::BakedTexel;
 use super::directional;
 use super::stats::PageStats;
+use super::surveys::Texels;
 use super::terms::finds_seals;
 use super::tile::{BakedTile, Column, Columns};
 use crate::choice::Choice;
@@ -11,15 +12,17 @@ use crate::integrate::{Coat, Task, Terms, integrate, seals};
 use crate::options::{AmbientCoefficient, Footprint, Model, View};
 use crate::survey::{Surveyor, Texel};
 use ambient::closed_form::phong_open;
-use ambient::sampling::Stream;
 use atlas::{PageRaster, Tile};
 use glam::DVec3;
 use layers::Layer;
 use pulp::Arch;
 
+/// What makes the points of pilots independent of the others.
+const PILOTS: u64 = 0x9e37_79b9_7f4a_7c15;
+
 /// The texels of a tile with what their rays found, one number of each list for each texel.
 pub(super) struct Integrated {
-    pub texels: Vec<Texel>,
+    pub texels: Texels,
     pub terms: Vec<Terms>,
     coats: Vec<Coat>,
     sealed: Vec<f32>,
@@ -29,7 +32,7 @@ pub(super) struct Integrated {
 
 impl Baker<'_> {
     /// The footprints of a tile.
-    pub(crate) fn cut(&self, raster: &PageRaster<'_>, index: usize) -> Tile {
+    pub(super) fn cut(&self, raster: &PageRaster<'_>, index: usize) -> Tile {
         let surveyor = self.surveyor();
         match self.options.footprint {
             Footprint::Texel => raster.whole_tile(index, |of| surveyor.keeps_whole(of)),
@@ -37,12 +40,16 @@ impl Baker<'_> {
         }
     }
 
-    pub(super) fn tile(&self, tile: &Tile, page: u32, rays: u32) -> Integrated {
+    /// What so many rays over the hemisphere find at each texel of a tile of a page.
+    pub(super) fn tile(&self, texels: Texels, page: u32, rays: u32) -> Integrated {
         let options = self.options;
         let task = Task {
             backend: self.backend,
             arch: Arch::new(),
-            seed: options.seed,
+            seed: match self.is_pilot {
+                true => options.seed ^ PILOTS,
+                false => options.seed,
+            },
             page,
             size: self.atlas.page_size,
             rays,
@@ -62,7 +69,6 @@ impl Baker<'_> {
             sky: &options.sky,
             draw_sky: options.draw_sky,
         };
-        let texels = self.survey(tile, page);
         let lobes = self.plan.models(Choice::Specular);
         let specular: Vec<bool> = texels.iter().map(|t| lobes && self.reflects(t)).collect();
         let coats = Coat::of_all(&task, &texels);
@@ -112,7 +118,7 @@ impl Baker<'_> {
         }
     }
 
-    fn surveyor(&self) -> Surveyor<'_> {
+    pub(super) fn surveyor(&self) -> Surveyor<'_> {
         Surveyor {
             world: self.world,
             atlas: self.atlas,
@@ -123,14 +129,6 @@ impl Baker<'_> {
             under: self.options.under,
             covering: self.covering.as_deref(),
         }
-    }
-
-    /// The texels of a tile, ready to be integrated.
-    pub(crate) fn survey(&self, tile: &Tile, page: u32) -> Vec<Texel> {
-        let (seed, size) = (self.options.seed, self.atlas.page_size);
-        self.surveyor().texels(tile, |x, y, term| {
-            Stream::new(seed, page, y * size + x, term, 0)
-        })
     }
 
     /// True where the texel's specular term is worth its rays: its material reflects, or the term itself was asked for.

@@ -49,8 +49,8 @@ impl Baker<'_> {
                 .with_max_len(1)
                 .map(|index| {
                     let clock = ThreadClock::now();
-                    let Integrated { texels, terms, .. } =
-                        self.tile(&self.cut(&raster, index), page, rays[index]);
+                    let texels = self.texels(&raster, page, index);
+                    let Integrated { texels, terms, .. } = self.tile(texels, page, rays[index]);
                     let rays = terms.iter().map(|terms| terms.rays).sum();
                     let seconds = clock.seconds();
                     let taken = gather

@@ -3,10 +3,11 @@
 //! With a target, every texel takes a few rays first. What they say of the error of each tile, after denoising, decides
 //! how many it takes: with errors that fall like N^-q the error of a page, its root mean square, would be least at a
 //! given number of rays where N is proportional to s^(2/(1 + 2q)), s being the error of a tile at equal rays. Half of
-//! that power is taken: few rays tell s roughly, and denoising carries a tile's error to those beside it. Numbers are
-//! powers of two, which are the best numbers of points, or three quarters of them, which are nearly as good. Where
-//! these are many, a part of them is tried first, from which it is a shorter way to all. The rays of pilots are thrown
-//! away: a value that had a part in the choice of its rays would be biased.
+//! that power is taken: few rays tell s roughly, and denoising carries a tile's error to those beside it. A tile's own
+//! error decides: what lies beside it on the page is often another surface. Numbers are powers of two, which are the
+//! best numbers of points, or three quarters of them, which are nearly as good. Where these are many, a part of them
+//! is tried first, from which it is a shorter way to all. The rays of pilots are thrown away: a value that had a part in
+//! the choice of its rays would be biased. The texels that they found are kept.
 
 use super::baker::Baker;
 use super::compose::{is_composed, is_light};
@@ -32,9 +33,6 @@ const PLAIN: f64 = 0.7;
 
 /// Steps of the scale of all numbers that are tried, for each doubling.
 const STEPS: i32 = 8;
-
-/// What makes the pilot's points independent of the others.
-const SEED: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// A target of the root mean square error of a page.
 struct Target {
@@ -125,9 +123,9 @@ fn allot(found: &[Found], falls: f64, most: u32) -> Vec<u32> {
         let mut found = found.iter().filter(|found| found.squares > 0.0);
         found.all(|found| rays(found, step) == most)
     };
-    let mut steps = -16 * STEPS..64 * STEPS;
-    let step = steps.find(|&step| excess(step) <= 1.0 || spent(step));
-    let step = step.unwrap_or(64 * STEPS);
+    let steps: Vec<i32> = (-16 * STEPS..64 * STEPS).collect();
+    let step = steps.partition_point(|&step| excess(step) > 1.0 && !spent(step));
+    let step = steps.get(step).copied().unwrap_or(64 * STEPS);
     let mut seen: Vec<u32> = (found.iter().filter(|found| found.texels > 0.0))
         .map(|found| rays(found, step))
         .collect();
@@ -154,18 +152,10 @@ fn round(rays: f64) -> f64 {
 }
 
 impl Target {
-    /// What so many rays of the texels of each tile say of the tiles of a page, each with those about it.
+    /// What so many rays of the texels of each tile say of the tiles of a page.
     fn pilot(&self, baker: &Baker<'_>, number: u32, rays: Vec<u32>) -> Vec<Found> {
         let options = pilot_options(baker);
-        let Baker {
-            world,
-            plan,
-            backend,
-            atlas,
-            ..
-        } = *baker;
-        let covering = baker.covering.clone();
-        let pilot = Baker::covered(world, plan, backend, atlas, &options, covering);
+        let pilot = baker.seeking(&options);
         let _ = pilot.spent[number as usize].set(rays);
         let mut page = pilot.start(number);
         let Ok(_) = pilot.fill(&mut page, &(), &mut |_| Ok::<_, Infallible>(()));
@@ -181,23 +171,9 @@ impl Target {
                 tile.squares += square;
             }
         }
-        let about = |&tile: &u32| {
-            let [x, y] = [tile % across, tile / across];
-            let own = grid[tile as usize];
-            let mut sum = Found::default();
-            for y in y.saturating_sub(1)..(y + 2).min(across) {
-                for x in x.saturating_sub(1)..(x + 2).min(across) {
-                    let other = grid[(y * across + x) as usize];
-                    sum.texels += other.texels;
-                    sum.squares += other.squares;
-                }
-            }
-            Found {
-                texels: own.texels,
-                squares: own.texels * sum.squares / sum.texels.max(1.0),
-            }
-        };
-        baker.raster(number).tiles().iter().map(about).collect()
+        let tiles = baker.raster(number);
+        let found = tiles.tiles().iter().map(|&tile| grid[tile as usize]);
+        found.collect()
     }
 }
 
@@ -217,7 +193,6 @@ fn pilot_options(baker: &Baker<'_>) -> Options {
     }
     Options {
         effort: Effort::Rays(PILOT),
-        seed: options.seed ^ SEED,
         bounces: Bounces::Off,
         lights: Vec::new(),
         denoise: match options.denoise {
