@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 
 /// Of the rays to the front of such a face none leaves the scene, and so many parts of a hundred meet backs of its own
 /// object; what lies hidden under another has that one's back before it. To its back so many leave.
-const BACKS: usize = 75;
+const BACKS: usize = 50;
 const OPEN: usize = 50;
 /// The share of the points of an atlas from which they are told of.
 const LEAST: f64 = 0.01;

@@ -21,6 +21,14 @@ const NARROW: f64 = 0.125;
 /// A surface of a placement: their numbers.
 type Key = (u32, u32);
 
+/// A surface that a straight way meets.
+pub(super) struct Met {
+    /// Its place in the list.
+    pub place: usize,
+    /// Its front is met.
+    pub is_front: bool,
+}
+
 impl Solids {
     /// The blind sheets between which and what they look at none of these places lies.
     pub(super) fn blind_sheets(&self, places: &[DVec3]) -> HashSet<Key> {
@@ -59,7 +67,8 @@ impl Solids {
             })
         };
         let met = |at: DVec3, way: DVec3| {
-            self.first_met(sheet.key, all, at + clear * way, at + close * way)
+            let met = self.nearest_met(sheet.key, all, at + clear * way, at + close * way);
+            met.map(|met| met.place)
         };
         let mut before: Vec<usize> = Vec::new();
         for (at, up) in points() {
@@ -83,15 +92,14 @@ impl Solids {
         is_blind.then(|| before.iter().map(|other| other.key).collect())
     }
 
-    /// The place in the list of the first surface but `own` on a straight way.
-    pub(super) fn first_met(
+    /// What a straight way meets first, but for `own`.
+    pub(super) fn nearest_met(
         &self,
         own: Key,
         all: &PlacedTree,
         from: DVec3,
         to: DVec3,
-    ) -> Option<usize> {
-        let mut shares = Vec::new();
+    ) -> Option<Met> {
         let near = all.meeting(from.min(to), from.max(to)).into_iter();
         let met = near.filter_map(|place| {
             let other = all.placed[place];
@@ -99,13 +107,10 @@ impl Solids {
                 return None;
             }
             let ends = [from, to].map(|at| other.inverse.transform_point3(at));
-            shares.clear();
             let tree = self.tree_of(other.shape, other.key.1);
-            tree.crossings(&self.scene, ends[0], ends[1], &mut shares);
-            let nearest = shares.iter().copied().min_by(f64::total_cmp);
-            nearest.map(|share| (share, place))
+            let (share, is_front) = tree.nearest(&self.scene, ends[0], ends[1])?;
+            Some((share, Met { place, is_front }))
         });
-        met.min_by(|a, b| a.0.total_cmp(&b.0))
-            .map(|(_, place)| place)
+        met.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, met)| met)
     }
 }

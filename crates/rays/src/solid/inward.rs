@@ -103,10 +103,10 @@ impl Solids {
     }
 
     /// Triangles of each mesh, ascending, whose normals point to the other side than the one that is lit, wherever they
-    /// are placed: into bodies that look outward and are no rooms, nor have any of these places in them, but for bodies
-    /// that are not simply closed and of which most normals point outward; and away from where all of an open surface
-    /// looks, by its winding and most of its normals. Where most normals are right, all three of a triangle are wrong:
-    /// the smooth normals of a coarse body lean behind its steepest faces.
+    /// are placed. Where a surface looks one way all over by its winding, as a sheet, a body or a room does, and most of
+    /// its normals agree, these are the triangles of which all three do not: the smooth normals of a coarse body lean
+    /// behind its steepest faces. Where most point the other way, those of bodies that look outward, are no rooms and
+    /// have none of these places in them.
     pub fn averse(&self, places: &[DVec3]) -> Vec<(u32, Vec<u32>)> {
         let mut leans: HashMap<u32, Vec<Lean>> = HashMap::new();
         for instance in &self.scene.instances {
@@ -142,11 +142,13 @@ impl Solids {
                 let key = (placement, *surface);
                 let is_body = || of_keys.get(&key).is_some_and(|of| is_body(of));
                 let of = &self.shapes[shape as usize].surfaces[*surface as usize];
-                let is_told = sums[surface] < 0.0 || of.volume > 0.0 && !of.is_mixed();
-                let looks_here = of.front.is_some() && sums[surface] > 0.0;
-                let mut is_body = || is_told && *is_known.entry(key).or_insert_with(is_body);
-                let is_behind = lean.area < 0.0 && (lean.is_whole || sums[surface] < 0.0);
-                is_behind && (looks_here || is_body())
+                let looks_one_way = of.front.is_some() || of.content() != 0.0 && !of.tangled;
+                // Most normals agree with a winding that is one and the same all over the surface, or none is right.
+                lean.area < 0.0
+                    && match sums[surface] < 0.0 {
+                        false => lean.is_whole && looks_one_way,
+                        true => *is_known.entry(key).or_insert_with(is_body),
+                    }
             };
             let marks = surfaces.iter().zip(leans).map(is_averse).collect();
             Some((instance.mesh, marks))

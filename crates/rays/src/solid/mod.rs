@@ -6,7 +6,7 @@
 //! and buries nothing. `doubleSided` says how a surface is drawn and nothing about its inside, so it is not asked.
 //!
 //! **What is inside.** The sign of its volume says whether the front faces of a closed surface look outward or inward,
-//! in mesh space, so that a mirroring placement changes nothing.
+//! in mesh space, so that a mirroring placement changes nothing. Of one that crosses itself most of its faces say it.
 //!
 //! * Outward: a solid.
 //! * Inward, and all but an eighth of it inside a solid: its cavity, which is air again.

@@ -1,8 +1,9 @@
 //! The surfaces of meshes that are placed together.
 
-use super::topology::{self, Face, Surface};
+use super::spread::MIDDLE;
+use super::topology::{self, Face, Surface, corners};
 use super::tree::SurfaceTree;
-use super::wound::Wound;
+use super::wound::{FIRST, Sides, Wound};
 use scene::Scene;
 use std::collections::{HashMap, HashSet};
 use std::sync::OnceLock;
@@ -35,6 +36,8 @@ impl Shape {
         let (mut surfaces, open): (Vec<Surface>, Vec<Surface>) =
             found.partition(|surface| surface.volume != 0.0 || meshes.len() == 1);
         surfaces.extend(joined(scene, open));
+        let inward = surfaces.iter_mut().filter(|surface| surface.volume < 0.0);
+        inward.for_each(|surface| untangle(scene, surface));
         let mut surface_of: Vec<Vec<u32>> = meshes
             .iter()
             .map(|&mesh| vec![0; scene.meshes[mesh as usize].triangles.len()])
@@ -52,6 +55,30 @@ impl Shape {
             surfaces,
             meshes,
         }
+    }
+}
+
+/// What a closed surface encloses says nothing of its faces where it crosses itself: the flue that reaches out below a
+/// chimney may hold more than the chimney. Then its faces are asked one by one, and most of them say where it looks.
+fn untangle(scene: &Scene, surface: &mut Surface) {
+    let tree = SurfaceTree::build(scene, &surface.faces);
+    let (mut inward, mut outward) = (0.0, 0.0);
+    for face in surface
+        .faces
+        .iter()
+        .step_by(surface.faces.len().div_ceil(FIRST))
+    {
+        let triangle = corners(scene, *face).map(|corner| corner.as_dvec3());
+        let sides = Sides::of((scene, surface, &tree), triangle, MIDDLE);
+        match sides {
+            sides if sides.is_inward() => inward += sides.area,
+            sides if sides.is_outward() => outward += sides.area,
+            _ => {}
+        }
+    }
+    surface.tangled |= outward > 0.0;
+    if outward > inward {
+        surface.volume = -surface.volume;
     }
 }
 

@@ -8,6 +8,9 @@ const PARTS: usize = 8;
 /// together.
 const INSET: f64 = 1.0 / 64.0;
 
+/// The middle of a triangle.
+pub(super) const MIDDLE: [f64; 3] = [1.0 / 3.0; 3];
+
 /// Into how many parts the edges of each of so many triangles are cut, so that about [`ASKED`] points are asked.
 pub(super) fn parts(triangles: usize) -> usize {
     (ASKED / triangles).isqrt().clamp(1, PARTS)

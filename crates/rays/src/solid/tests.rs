@@ -174,6 +174,28 @@ fn normals_that_point_into_a_box_are_told_from_those_of_a_corner_or_of_a_room() 
         *normal = if outward.x > 0.0 { -outward } else { outward };
     }
     assert_eq!(averse(bent), 2);
+    // One wall of a room, be it closed or open.
+    let room = unit(true);
+    let corners = room
+        .triangles
+        .iter()
+        .flatten()
+        .map(|&corner| room.positions[corner as usize]);
+    let mut wall = mesh(
+        corners.collect(),
+        (0..12).map(|k| [0, 1, 2].map(|v| 3 * k + v)).collect(),
+    );
+    let is_wall = |of: &[Vec3]| of.iter().all(|p| p.x == 1.0);
+    for of in wall.positions.chunks(3) {
+        let inward = (of[1] - of[0]).cross(of[2] - of[0]).normalize();
+        wall.normals
+            .extend([if is_wall(of) { -inward } else { inward }; 3]);
+    }
+    assert_eq!(averse(wall.clone()), 2);
+    let positions = wall.positions.clone();
+    let is_other = |of: &[u32; 3]| of.iter().all(|&corner| positions[corner as usize].z == 1.0);
+    wall.triangles.retain(|of| !is_other(of));
+    assert_eq!((wall.triangles.len(), averse(wall)), (10, 2));
 }
 
 #[test]

@@ -15,7 +15,7 @@ use std::collections::HashMap;
 const LEAST_VOLUME: f64 = 1e-6;
 
 /// A surface has at least so many faces for each edge at a border, to count as a body with holes.
-const HOLED: usize = 2;
+const HOLED: usize = 1;
 
 /// And no more than so many of those edges for all faces: each face is asked about each hole.
 const MOST_RIMS: usize = 1 << 22;
@@ -73,8 +73,9 @@ pub(super) struct Surface {
     pub caps: Vec<Vec<[[f32; 3]; 3]>>,
     /// Some of it is cut out or lets light through.
     pub masked: bool,
-    /// More than two faces meet at some edge of a closed, opaque surface: it may be several bodies that touch.
-    pub branches: bool,
+    /// A closed, opaque surface may be several bodies that touch, for more than two faces meet at some edge, or it
+    /// crosses itself.
+    pub tangled: bool,
 }
 
 /// Corners of a face.
@@ -241,7 +242,7 @@ pub(super) fn surfaces(scene: &Scene, faces: &[Face]) -> Vec<Surface> {
     }
     for face in branching {
         let root = sets.root(face) as usize;
-        found[place[root] as usize].0.branches = true;
+        found[place[root] as usize].0.tangled = true;
     }
     let mut rims_of: Vec<Vec<[u32; 2]>> = vec![Vec::new(); found.len()];
     for (face, rim) in rims {
@@ -257,11 +258,11 @@ pub(super) fn surfaces(scene: &Scene, faces: &[Face]) -> Vec<Surface> {
     let finish = |((surface, open), rims): ((Surface, bool), Vec<[u32; 2]>)| {
         if surface.is_masked(scene) {
             let veil = front(scene, &surface.faces);
-            let branches = false;
+            let tangled = false;
             return Surface {
                 veil,
                 masked: true,
-                branches,
+                tangled,
                 ..surface
             };
         }
@@ -286,7 +287,7 @@ pub(super) fn surfaces(scene: &Scene, faces: &[Face]) -> Vec<Surface> {
             false => Vec::new(),
         };
         let mut surface = Surface {
-            branches: false,
+            tangled: false,
             front,
             border,
             openings,
@@ -391,7 +392,7 @@ impl Surface {
             openings: Vec::new(),
             caps: Vec::new(),
             masked: false,
-            branches: false,
+            tangled: false,
         }
     }
 

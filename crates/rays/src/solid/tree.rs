@@ -164,6 +164,17 @@ impl SurfaceTree {
         });
     }
 
+    /// Where a straight way meets the surface first, as a share of it, and whether it meets its front there.
+    pub fn nearest(&self, scene: &Scene, from: DVec3, to: DVec3) -> Option<(f64, bool)> {
+        let mut nearest: Option<(f64, bool)> = None;
+        self.cross(scene, from, to - from, 0.0, |crossing| {
+            if crossing.t < nearest.map_or(1.0, |(t, _)| t) {
+                nearest = Some((crossing.t, crossing.front));
+            }
+        });
+        nearest
+    }
+
     /// True where a ray meets the surface off its origin.
     pub fn is_ahead(&self, scene: &Scene, origin: DVec3, direction: DVec3) -> bool {
         let mut is_ahead = false;

@@ -7,15 +7,17 @@
 //! behind it.
 //!
 //! A hole is little where it cannot be meant to be looked through: a triangle that a side lacks, or what is next to
-//! nothing of the surface and of its shadow on the hole's plane. The mouth of a tunnel is all of that shadow, however
-//! long the tunnel is.
+//! nothing of the surface and of its shadow on the hole's plane. The mouth of a tunnel is all of that shadow. But what is
+//! long and narrow, with nothing in it and no hill about it, is a post.
 
 use super::placed::{Placed, PlacedTree};
-use super::spread::{middles, parts};
+use super::spread::{MIDDLE, corners_too, middles, parts};
 use super::topology::{Face, Surface, corners};
-use super::{NUDGE, Solids};
+use super::tree::SurfaceTree;
+use super::{Covers, NUDGE, Solids};
 use glam::DVec3;
 use rayon::prelude::*;
+use scene::Scene;
 
 /// A missing triangle is no larger than this share of the surface's shadow on it: it is not all of a side. All of them
 /// together are no larger than this share of what looks inward.
@@ -25,6 +27,12 @@ const TRIANGLES: f64 = 0.3;
 const HOLE: f64 = 0.125;
 const WINDOW: f64 = 1.0 / 128.0;
 const HOLES: f64 = 1.0 / 32.0;
+/// How large the mouth of a bore is against its surface, and all of them together: what is twelve times as long as it
+/// is wide gets next to no light.
+const MOUTH: f64 = 1.0 / 48.0;
+const MOUTHS: f64 = 2.0 * MOUTH;
+/// The share of looks outward that may meet a back where a post stands free: around a tunnel is the inside of its hill.
+const BACKS: f64 = 0.125;
 /// The share of a surface with holes that looks inward, at least.
 const MOST: f64 = 0.5;
 /// The share of a surface with holes that may have the same on either side.
@@ -34,23 +42,40 @@ const STOP: f64 = 0.125;
 /// What stands in a room has this share of the room's side, together: else it is stuck in a wall.
 const STANDS: f64 = 1.0 / 1024.0;
 /// Faces that are asked first.
-const FIRST: usize = 1024;
+pub(super) const FIRST: usize = 1024;
 /// Faces that are asked whether a surface lies for the most part in another.
 pub(super) const LOOKS: usize = 64;
 
 /// A triangle's area, and how often its surface winds around points just in front of it and behind.
-struct Sides {
-    area: f64,
+pub(super) struct Sides {
+    pub area: f64,
     front: i32,
     back: i32,
 }
 
 impl Sides {
-    fn is_inward(&self) -> bool {
+    /// Of a triangle of a surface, or of a pane of one of its holes, at a point by its weights.
+    pub fn of(
+        (scene, surface, tree): (&Scene, &Surface, &SurfaceTree),
+        [a, b, c]: [DVec3; 3],
+        [u, v, w]: [f64; 3],
+    ) -> Self {
+        let reach = surface.low.abs().max(surface.high.abs()).max_element();
+        let (middle, normal) = (u * a + v * b + w * c, (b - a).cross(c - a));
+        let off = normal.normalize_or_zero() * (4.0 * NUDGE * f64::from(reach));
+        let winding = |at| tree.winding(scene, surface.caps.iter().flatten(), at);
+        Self {
+            area: 0.5 * normal.length(),
+            front: winding(middle + off),
+            back: winding(middle - off),
+        }
+    }
+
+    pub fn is_inward(&self) -> bool {
         self.area > 0.0 && self.front < 0 && self.back >= 0
     }
 
-    fn is_outward(&self) -> bool {
+    pub fn is_outward(&self) -> bool {
         self.area > 0.0 && self.front >= 0 && self.back > 0
     }
 }
@@ -61,18 +86,25 @@ pub(super) struct Wound {
     pub faces: Vec<Face>,
     /// The holes through which one may look, by their places among the surface's caps.
     open: Vec<usize>,
+    /// Next to no light gets in by them.
+    is_bore: bool,
 }
 
 impl Surface {
     /// True where its faces need be asked one by one whether they look inward.
     pub fn is_mixed(&self) -> bool {
-        self.branches || !self.caps.is_empty()
+        self.tangled || !self.caps.is_empty()
     }
 
     /// True where some of its faces look the other way than most of them in the file.
     pub fn is_uneven(&self) -> bool {
         self.faces.iter().any(|face| face.turned)
     }
+}
+
+/// A pane in 64-bit numbers.
+fn in_full(pane: &[[f32; 3]; 3]) -> [DVec3; 3] {
+    pane.map(|corner| DVec3::from(corner.map(f64::from)))
 }
 
 impl Solids {
@@ -92,11 +124,33 @@ impl Solids {
     }
 
     /// True where faces of a mixed surface look inward and what stands around it stops each hole through which one
-    /// would look, as snow lies on a branch.
+    /// would look, as snow lies on a branch, or next to no light gets in and the surface stands free, as a post.
     pub(super) fn is_wound(&self, of: &Placed, all: &PlacedTree) -> bool {
         let wound = self.wound_but_for_holes(of.shape, of.key.1);
         let is_stopped = |hole: &usize| self.is_stopped(of, &of.surface.caps[*hole], all);
-        !wound.faces.is_empty() && wound.open.iter().all(is_stopped)
+        let is_post = || wound.is_bore && self.stands_free(of, all);
+        !wound.faces.is_empty() && (wound.open.iter().all(is_stopped) || is_post())
+    }
+
+    /// True where one who looks out of a surface that looks inward, straight through its faces and as far as it is
+    /// large, hardly ever sees a back of what does not look inward too.
+    fn stands_free(&self, of: &Placed, all: &PlacedTree) -> bool {
+        let clear = Covers::least(of.low.abs().max(of.high.abs()).max_element());
+        let sense = of.transform.matrix3.determinant().signum();
+        let faces: Vec<[DVec3; 3]> = of.faces(&self.scene).collect();
+        // Parts of one body may be wound the wrong way together.
+        let looks_inward = |of: &Placed| {
+            let wound = || self.wound_but_for_holes(of.shape, of.key.1);
+            of.surface.volume < 0.0 || !wound().faces.is_empty()
+        };
+        let sees_back = |[a, b, c]: &[DVec3; 3]| {
+            let outward = -sense * (*b - *a).cross(*c - *a).normalize_or_zero();
+            let at = (*a + *b + *c) / 3.0 + clear * outward;
+            let met = self.nearest_met(of.key, all, at, at + of.size() * outward);
+            met.is_some_and(|met| !met.is_front && !looks_inward(all.placed[met.place]))
+        };
+        let backs = faces.iter().filter(|face| sees_back(face)).count();
+        backs as f64 <= BACKS * faces.len() as f64
     }
 
     /// True where other surfaces stand in nearly all of a hole: close to it, or on both sides of it, as the skin of
@@ -115,7 +169,7 @@ impl Solids {
         let width = hole.length().sqrt();
         let is_met = |at: DVec3, from: f64, to: f64| {
             let ends = [from, to].map(|step| at + step * width * outward);
-            self.first_met(of.key, all, ends[0], ends[1]).is_some()
+            self.nearest_met(of.key, all, ends[0], ends[1]).is_some()
         };
         let is_stopped = |at: &DVec3| {
             is_met(*at, -STOP, STOP) || is_met(*at, 0.0, 1.0) && is_met(*at, 0.0, -1.0)
@@ -159,11 +213,24 @@ impl Solids {
         if !surface.caps.is_empty() && !is_whole {
             return None;
         }
+        // A face may run on from where it looks inward to where it does not.
+        let parts = parts(faces.len());
+        let tree = (&*self.scene, surface, self.tree_of(shape, number));
+        let is_outward = |face: Face| {
+            let at = |weights| Sides::of(tree, place(face), weights);
+            corners_too(parts).any(|weights| at(weights).is_outward())
+        };
         let found = faces.iter().zip(&asked);
-        let found = found.filter(|(_, sides)| sides.is_inward());
+        let found = found.filter(|(face, sides)| sides.is_inward() && !is_outward(**face));
+        let open = self.open_holes(shape, number, inward);
+        let area = |pane: &[[f32; 3]; 3]| self.sides(shape, number, in_full(pane)).area;
+        let mouth = |&hole: &usize| surface.caps[hole].iter().map(area).sum::<f64>() / all;
+        let mouths: Vec<f64> = open.iter().map(mouth).collect();
+        let is_narrow = mouths.iter().all(|&mouth| mouth <= MOUTH);
         Some(Wound {
             faces: found.map(|(&face, _)| face).collect(),
-            open: self.open_holes(shape, number, inward),
+            is_bore: is_narrow && mouths.iter().sum::<f64>() <= MOUTHS,
+            open,
         })
     }
 
@@ -174,7 +241,7 @@ impl Solids {
         let mut large = Vec::new();
         for (hole_number, cap) in surface.caps.iter().enumerate() {
             let open = |pane: &[[f32; 3]; 3]| {
-                let pane = pane.map(|corner| DVec3::from(corner.map(f64::from)));
+                let pane = in_full(pane);
                 let sides = self.sides(shape, number, pane);
                 let [a, b, c] = pane;
                 let normal = 0.5 * (b - a).cross(c - a);
@@ -210,18 +277,10 @@ impl Solids {
         large
     }
 
-    fn sides(&self, shape: u32, number: u32, [a, b, c]: [DVec3; 3]) -> Sides {
+    fn sides(&self, shape: u32, number: u32, triangle: [DVec3; 3]) -> Sides {
         let surface = &self.shapes[shape as usize].surfaces[number as usize];
-        let reach = surface.low.abs().max(surface.high.abs()).max_element();
-        let (middle, normal) = ((a + b + c) / 3.0, (b - a).cross(c - a));
-        let off = normal.normalize_or_zero() * (4.0 * NUDGE * f64::from(reach));
         let tree = self.tree_of(shape, number);
-        let winding = |at| tree.winding(&self.scene, surface.caps.iter().flatten(), at);
-        Sides {
-            area: 0.5 * normal.length(),
-            front: winding(middle + off),
-            back: winding(middle - off),
-        }
+        Sides::of((&self.scene, surface, tree), triangle, MIDDLE)
     }
 
     /// How often a mixed surface winds around a point of the world.

@@ -132,6 +132,50 @@ fn a_slab_with_a_sliver_of_a_hole_is_lit_from_behind() {
 }
 
 #[test]
+fn a_long_and_narrow_tube_is_a_post_unless_a_hill_is_about_it() {
+    let long = Vec3::new(20.0, 1.0, 1.0);
+    for mouths in [&[20.0][..], &[-20.0, 20.0]] {
+        let closed = block(Vec3::ZERO, long, true);
+        let tube = mouths.iter().fold(closed, |of, &x| without(of, 0, x));
+        let faces = tube.triangles.len();
+        assert_eq!(turned(vec![tube.clone(), sheet()]), faces);
+        let hill = without(block(Vec3::ZERO, long + 2.0, false), 1, -3.0);
+        assert_eq!(turned(vec![tube.clone(), hill, sheet()]), 0, "a tunnel");
+        let lamp = block(Vec3::ZERO, Vec3::splat(0.2), false);
+        assert_eq!(turned(vec![tube, lamp, sheet()]), 0, "a corridor");
+    }
+}
+
+#[test]
+fn a_body_whose_shaft_reaches_out_below_it_is_lit_from_outside() {
+    // A slab with a shaft that is sunk into it and out of it: less than 0 by volume, and yet it looks outward.
+    let frame = |half: f32, y: f32| {
+        let corners = [[-half, -half], [half, -half], [half, half], [-half, half]];
+        corners.map(|[x, z]| Vec3::new(x, y, z))
+    };
+    let places = [(2.0, 0.0), (2.0, 0.5), (1.5, 0.5), (1.5, 0.0), (1.5, -3.0)];
+    let rings = places.map(|(half, y)| frame(half, y));
+    let mut faces = vec![[0, 1, 2], [0, 2, 3], [16, 18, 17], [16, 19, 18]];
+    for ring in 0..4u32 {
+        for k in 0..4 {
+            let next = (k + 1) % 4;
+            let [a, b] = [k, next].map(|k| 4 * ring + k);
+            faces.extend([[a, a + 4, b], [b, a + 4, b + 4]]);
+        }
+    }
+    let chest = block(Vec3::Y * -4.0, Vec3::new(3.0, 3.0, 3.0), false);
+    let solids = solids(vec![mesh(rings.concat(), faces.clone()), chest, sheet()]);
+    // From below, one sees the back of the shaft. The bottom of the slab runs on above it.
+    let sunk = |of: &[u32; 3]| of.iter().all(|&corner| corner >= 12);
+    let sunk: Vec<u32> = (0..)
+        .zip(&faces)
+        .filter(|(_, of)| sunk(of))
+        .map(|(k, _)| k)
+        .collect();
+    assert_eq!(solids.backs(&[]), [(0, sunk)]);
+}
+
+#[test]
 fn tunnels_bowls_rooms_and_folded_sheets_are_lit_where_they_look() {
     let tube = |half: Vec3| {
         without(
@@ -140,15 +184,14 @@ fn tunnels_bowls_rooms_and_folded_sheets_are_lit_where_they_look() {
             half.x,
         )
     };
-    // However long it is.
-    for length in [1.0, 10.0, 200.0] {
+    for length in [1.0, 10.0] {
         let half = Vec3::new(length, 1.0, 1.0);
         assert_eq!(turned(vec![tube(half), sheet()]), 0, "tunnel of {length}");
         let blind = without(block(Vec3::ZERO, half, true), 0, half.x);
         assert_eq!(turned(vec![blind, sheet()]), 0, "blind tunnel of {length}");
     }
     // A deep bowl, a tent with an open end, a box of which one side is missing.
-    for depth in [0.2, 1.0, 30.0] {
+    for depth in [0.2, 1.0, 10.0] {
         let bowl = without(
             block(Vec3::ZERO, Vec3::new(1.0, depth, 1.0), true),
             1,
@@ -156,7 +199,7 @@ fn tunnels_bowls_rooms_and_folded_sheets_are_lit_where_they_look() {
         );
         assert_eq!(turned(vec![bowl, sheet()]), 0, "bowl of {depth}");
     }
-    let ends = [-9.0, 9.0].map(|x| [[x, 0.0, -1.0], [x, 0.0, 1.0], [x, 2.0, 0.0]]);
+    let ends = [-4.0, 4.0].map(|x| [[x, 0.0, -1.0], [x, 0.0, 1.0], [x, 2.0, 0.0]]);
     let tent = mesh(
         ends.concat().into_iter().map(Vec3::from_array).collect(),
         vec![
