@@ -44,6 +44,7 @@ mod cover;
 mod covered;
 mod cutter;
 mod dilate;
+mod doubled;
 mod error;
 mod facts;
 mod flat;

@@ -1,5 +1,6 @@
 //! What of a mesh is a chart as it lies, what is handed to the unwrapper, and with which coordinates of ours.
 
+use crate::doubled::layers;
 use crate::flat::{Face, Faces};
 use crate::flatten::{self, Piece, Surface};
 use glam::{DVec2, DVec3, Vec3};
@@ -119,6 +120,35 @@ pub(crate) fn parts(
     positions: &[[f32; 3]],
     cancel: &(dyn Fn() -> bool + Sync),
 ) -> (Vec<Face>, Vec<Part>) {
+    let place = firsts(positions.iter().map(|p| bits(*p)));
+    let triangles: Vec<[u32; 3]> = by(mesh, &place);
+    let layers = layers(&triangles);
+    if let [_] = layers[..] {
+        return parts_of(mesh, positions, cancel);
+    }
+    let (mut faces, mut parts) = (Vec::new(), Vec::new());
+    for layer in layers {
+        let own = layer.iter().map(|&t| mesh.triangles[t as usize]);
+        let alone = Mesh {
+            triangles: own.collect(),
+            ..mesh.clone()
+        };
+        let (mut of_faces, mut of_parts) = parts_of(&alone, positions, cancel);
+        let lists = of_faces.iter_mut().map(|face| &mut face.triangles);
+        let lists = lists.chain(of_parts.iter_mut().map(|part| &mut part.triangles));
+        lists.for_each(|list| list.iter_mut().for_each(|t| *t = layer[*t as usize]));
+        faces.extend(of_faces);
+        parts.extend(of_parts);
+    }
+    (faces, parts)
+}
+
+/// The same of a mesh of which no triangle lies on another.
+fn parts_of(
+    mesh: &Mesh,
+    positions: &[[f32; 3]],
+    cancel: &(dyn Fn() -> bool + Sync),
+) -> (Vec<Face>, Vec<Part>) {
     let welded = weld(mesh, positions);
     let part = |triangles: Vec<u32>, faces: &[u32]| {
         let corners = triangles.iter().flat_map(|&t| mesh.triangles[t as usize]);
@@ -164,12 +194,14 @@ pub(crate) fn parts(
 
 fn surface(mesh: &Mesh, positions: &[[f32; 3]], welded: &[u32]) -> Surface {
     let place = firsts(positions.iter().map(|p| bits(*p)));
-    let by = |numbers: &[u32]| -> Vec<[u32; 3]> {
-        let triangles = mesh.triangles.iter();
-        triangles.map(|t| t.map(|v| numbers[v as usize])).collect()
-    };
     let corners = positions.iter().map(|p| Vec3::from(*p).as_dvec3());
-    Surface::new(corners.collect(), by(&place), &by(welded))
+    Surface::new(corners.collect(), by(mesh, &place), &by(mesh, welded))
+}
+
+/// The corners of a mesh's triangles by the numbers of its vertices.
+fn by(mesh: &Mesh, numbers: &[u32]) -> Vec<[u32; 3]> {
+    let triangles = mesh.triangles.iter();
+    triangles.map(|t| t.map(|v| numbers[v as usize])).collect()
 }
 
 fn bits(v: [f32; 3]) -> [u32; 3] {
