@@ -28,7 +28,7 @@ const HOLE: f64 = 0.125;
 const WINDOW: f64 = 1.0 / 128.0;
 const HOLES: f64 = 1.0 / 32.0;
 /// How large the mouth of a bore is against its surface, and all of them together: what is twelve times as long as it
-/// is wide gets next to no light.
+/// is wide gets next to no light. It is most of the surface's shadow on its plane, as the door of a room is not.
 const MOUTH: f64 = 1.0 / 48.0;
 const MOUTHS: f64 = 2.0 * MOUTH;
 /// The share of looks outward that may meet a back where a post stands free: around a tunnel is the inside of its hill.
@@ -88,6 +88,8 @@ pub(super) struct Wound {
     open: Vec<usize>,
     /// Next to no light gets in by them.
     is_bore: bool,
+    /// Most of its faces lie at holes: a length of a pipe or of a corridor, which others go on from.
+    is_frame: bool,
 }
 
 impl Surface {
@@ -111,7 +113,7 @@ impl Solids {
     /// The faces of a mixed surface that look inward, where one is not meant to look through any of its holes.
     pub(super) fn wound(&self, shape: u32, surface: u32) -> &[Face] {
         let wound = self.wound_but_for_holes(shape, surface);
-        match wound.open.is_empty() {
+        match wound.open.is_empty() && !wound.is_frame {
             true => &wound.faces,
             false => &[],
         }
@@ -129,7 +131,8 @@ impl Solids {
         let wound = self.wound_but_for_holes(of.shape, of.key.1);
         let is_stopped = |hole: &usize| self.is_stopped(of, &of.surface.caps[*hole], all);
         let is_post = || wound.is_bore && self.stands_free(of, all);
-        !wound.faces.is_empty() && (wound.open.iter().all(is_stopped) || is_post())
+        let stopped = || !wound.is_frame && wound.open.iter().all(is_stopped);
+        !wound.faces.is_empty() && (stopped() || is_post())
     }
 
     /// True where one who looks out of a surface that looks inward, straight through its faces and as far as it is
@@ -222,22 +225,23 @@ impl Solids {
         };
         let found = faces.iter().zip(&asked);
         let found = found.filter(|(face, sides)| sides.is_inward() && !is_outward(**face));
-        let open = self.open_holes(shape, number, inward);
-        let area = |pane: &[[f32; 3]; 3]| self.sides(shape, number, in_full(pane)).area;
-        let mouth = |&hole: &usize| surface.caps[hole].iter().map(area).sum::<f64>() / all;
-        let mouths: Vec<f64> = open.iter().map(mouth).collect();
-        let is_narrow = mouths.iter().all(|&mouth| mouth <= MOUTH);
+        let (open, is_bore) = self.open_holes(shape, number, [inward, all]);
+        let edges = |cap: &Vec<_>| if cap.len() == 1 { 3 } else { cap.len() };
+        let edges: usize = surface.caps.iter().map(edges).sum();
         Some(Wound {
             faces: found.map(|(&face, _)| face).collect(),
-            is_bore: is_narrow && mouths.iter().sum::<f64>() <= MOUTHS,
+            is_frame: 2 * edges > faces.len(),
+            is_bore,
             open,
         })
     }
 
-    /// The holes through which one may look, of a surface of which so much looks inward.
-    fn open_holes(&self, shape: u32, number: u32, inward: f64) -> Vec<usize> {
+    /// The holes through which one may look, of a surface of which so much looks inward, of so much in all; and whether
+    /// it is a bore by them, into which next to no light gets.
+    fn open_holes(&self, shape: u32, number: u32, [inward, all]: [f64; 2]) -> (Vec<usize>, bool) {
         let surface = &self.shapes[shape as usize].surfaces[number as usize];
-        let (mut missing, mut holes) = (0.0, 0.0);
+        let (mut missing, mut holes, mut mouths) = (0.0, 0.0, 0.0);
+        let mut is_bore = true;
         let mut large = Vec::new();
         for (hole_number, cap) in surface.caps.iter().enumerate() {
             let open = |pane: &[[f32; 3]; 3]| {
@@ -264,6 +268,10 @@ impl Solids {
                 1 => hole.length() <= TRIANGLE * shadow,
                 _ => hole.length() <= (HOLE * shadow).min(WINDOW * inward),
             };
+            if !is_little {
+                is_bore &= area <= MOUTH * all && hole.length() >= MOST * shadow;
+                mouths += area;
+            }
             match cap.len() {
                 _ if !is_little => large.push(hole_number),
                 1 => missing += area,
@@ -272,9 +280,9 @@ impl Solids {
         }
         // Together they are not little.
         if missing > TRIANGLES * inward || holes > HOLES * inward {
-            return (0..surface.caps.len()).collect();
+            return ((0..surface.caps.len()).collect(), false);
         }
-        large
+        (large, is_bore && mouths <= MOUTHS * all)
     }
 
     fn sides(&self, shape: u32, number: u32, triangle: [DVec3; 3]) -> Sides {
