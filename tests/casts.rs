@@ -280,7 +280,7 @@ fn a_dome_that_ends_in_the_plane_of_the_ground_is_named_and_a_tent_and_a_hangar_
 }
 
 #[test]
-fn bodies_for_collisions_are_told_of_by_their_names() {
+fn bodies_for_collisions_and_navigation_meshes_are_told_of_by_their_names() {
     let folder = tempfile::tempdir().expect("a folder");
     let square = |name: &str, y: usize, first: usize| {
         let corners = [[-1, -1], [1, -1], [1, 1], [-1, 1]];
@@ -295,6 +295,13 @@ fn bodies_for_collisions_are_told_of_by_their_names() {
         ("floor-col", false),
         ("truck_ucx_", false),
         ("column", false),
+        ("Navmesh", true),
+        ("nav_mesh.001", true),
+        ("NavMesh_Exported_NavMesh", true),
+        ("Navigation-Mesh1", true),
+        ("NavMeshAgent", false),
+        ("canav_mesh", false),
+        ("mesh_nav", false),
     ] {
         let text = square("floor", 0, 1) + &square(name, 1, 5);
         let path = obj(folder.path(), "", &text);

@@ -20,12 +20,22 @@ const LEAST_AVERSE: f64 = 0.01;
 const COLLISIONS: [&str; 3] = ["collider", "collision", "colonly"];
 /// How Unreal's importer wants them to begin.
 const UNREAL: [&str; 4] = ["ucx_", "ubx_", "usp_", "ucp_"];
+/// Navigation meshes, on which engines find ways: as a word of a name, or as two. `NavMeshAgent` is another thing.
+const NAVIGATION: [&str; 2] = ["navmesh", "navigationmesh"];
 
-fn is_named_for_collisions(name: &str) -> bool {
+/// True for names of bodies that engines never draw: those for collisions, and navigation meshes.
+fn is_named_as_undrawn(name: &str) -> bool {
     let name = name.to_ascii_lowercase();
     let mut parts = name.split(['/', ' ']);
+    let words = name.split(|at: char| !at.is_alphanumeric());
+    let words = words.map(|word| word.trim_end_matches(|at: char| at.is_ascii_digit()));
+    let pairs = words.clone().zip(words.clone().skip(1));
     COLLISIONS.iter().any(|word| name.contains(word))
         || parts.any(|part| UNREAL.iter().any(|start| part.starts_with(start)))
+        || words.clone().any(|word| NAVIGATION.contains(&word))
+        || pairs
+            .map(|(a, b)| [a, b].concat())
+            .any(|two| NAVIGATION.contains(&two.as_str()))
 }
 
 impl Job {
@@ -168,13 +178,13 @@ impl Job {
         })
     }
 
-    /// Objects with texels that are named as bodies for collisions, which nobody sees.
+    /// Objects with texels that are named as bodies for collisions or as navigation meshes, which nobody sees.
     fn collision_bodies(&self) -> Option<WarningReport> {
-        let message = "bodies for collisions, by their names, take texels and block light; where nobody is to see \
-                       them, `--exclude NAME` leaves them out";
+        let message = "bodies for collisions and navigation meshes, by their names, take texels and block light; where \
+                       nobody is to see them, `--exclude NAME` leaves them out";
         let instances = &self.scene().instances;
         self.of_objects("collision-bodies", message, |instance| {
-            is_named_for_collisions(&instances[instance as usize].name)
+            is_named_as_undrawn(&instances[instance as usize].name)
         })
     }
 
