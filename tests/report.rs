@@ -102,6 +102,43 @@ fn a_picture_that_would_be_black_from_within_is_taken_from_outside() {
 }
 
 #[test]
+fn wires_in_a_duct_make_no_interior_of_a_plane_in_the_light() {
+    // A plane of 400 above a duct of 124 that looks inward, and in it a hundred wires of 0.1 each: a quarter of the
+    // surface is dark. A wire touches a row of texels.
+    let mut text = String::new();
+    let mut quad = |name: String, corners: [[f64; 3]; 4]| {
+        for [x, y, z] in corners {
+            text += &format!("v {x} {y} {z}\n");
+        }
+        text += &format!("o {name}\nf -4 -3 -2 -1\n");
+    };
+    let flat = |y: f64, [x, z]: [f64; 2], [right, far]: [f64; 2]| {
+        [[x, y, z], [x, y, far], [right, y, far], [right, y, z]]
+    };
+    quad("plane".into(), flat(0.0, [-10.0; 2], [10.0; 2]));
+    for side in BOX_SIDES {
+        let corner = |k: u32| {
+            let [x, y, z] = [k & 1, k >> 1 & 1, k >> 2].map(f64::from);
+            [20.0 * x - 10.0, y - 2.0, 2.0 * z - 1.0]
+        };
+        let [a, b, c, d] = side.map(corner);
+        quad("duct".into(), [d, c, b, a]);
+    }
+    for k in 0..100 {
+        let z = 0.018 * f64::from(k) - 0.9;
+        quad(format!("wire{k}"), flat(-1.5, [-9.0, z], [9.0, z + 0.006]));
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("wires.obj");
+    fs::write(&path, text).expect("a file");
+    let (out, _) = bake(&path, &["--size", "128", "--rays", "16"]);
+    let baked = report(out.path());
+    let warnings = baked["warnings"].as_array().expect("a list");
+    let told = warnings.iter().any(|of| of["kind"] == "interior");
+    assert!(!told, "{warnings:?}");
+}
+
+#[test]
 fn a_report_is_one_file_that_a_rebake_takes_along() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("out dir").display().to_string();

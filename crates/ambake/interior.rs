@@ -1,51 +1,81 @@
 //! Finds out whether a scene is an interior: there the sky reaches little, and a limit of distance shows more.
 
+use crate::job::Job;
+use crate::lit::on_page;
 use crate::options::Options;
-use ::bake::Bounces;
+use ::bake::{BakedPage, Bounces};
+use atlas::SurfacePoint;
+use glam::DVec2;
+use layers::Layer;
 use report::WarningReport;
 
-/// Bins of the diffuse term, over 0..=1.
-const BINS: usize = 100;
-/// At this median of the diffuse term or below, half of the scene hardly sees the sky.
-const DARK: f64 = 0.1;
-/// Where no more of the texels than this share see a hundredth of the sky, next to no light gets in.
+/// Points that stand for the surface, so many for each equal part of it.
+const POINTS: usize = 4096;
+/// A point in the dark sees less of the sky, weighed by the cosine.
+const DARK: f32 = 0.1;
+/// Where no more of the surface than this share sees a hundredth of the sky, next to no light gets in.
+const FAINT: f32 = 0.01;
 const LEAKS: f64 = 0.001;
-/// So many of the outsides of rooms may be texels that the share of the surface does not tell: borders of charts.
+/// So many of the points on the outsides of rooms may lie in rooms beside: borders of charts.
 const BORDERS: f64 = 1.0 / 64.0;
 
-/// How many texels have which diffuse term, over all pages.
-#[derive(Debug, Clone)]
-pub(crate) struct Brightness([u64; BINS]);
-
-impl Default for Brightness {
-    fn default() -> Self {
-        Self([0; BINS])
-    }
+/// The diffuse term of a point of the surface.
+struct Seen {
+    point: SurfacePoint,
+    /// Its page, and its place there as a part of the page's edge.
+    page: u32,
+    at: DVec2,
+    /// `None` until its page comes in.
+    diffuse: Option<f32>,
 }
 
+/// How much of the sky the surface sees, while pages come in.
+#[derive(Default)]
+pub(crate) struct Brightness(Vec<Seen>);
+
 impl Brightness {
-    /// Adds the covered texels of a page.
-    pub fn add(&mut self, diffuse: &[f32], coverage: &[f32]) {
-        for (value, _) in diffuse.iter().zip(coverage).filter(|(_, c)| **c > 0.0) {
-            self.0[((value * BINS as f32) as usize).min(BINS - 1)] += 1;
+    /// Takes what a page says of the points on it. A page without the diffuse term says nothing.
+    pub fn add(&mut self, job: &Job, page: &BakedPage) {
+        let Some(diffuse) = page.layer(Layer::Diffuse) else {
+            return;
+        };
+        if self.0.is_empty() {
+            self.0 = over_surface(job);
+        }
+        let last = page.size as usize - 1;
+        for seen in self.0.iter_mut().filter(|seen| seen.page == page.page) {
+            let texel = (seen.at * f64::from(page.size))
+                .as_usizevec2()
+                .min([last; 2].into());
+            seen.diffuse = Some(diffuse[texel.y * page.size as usize + texel.x]);
         }
     }
 
-    /// The warning that names `--bounces` and `--max-distance`, where the median is dark and neither was given; bounces
-    /// help only where some light gets in. None where there are lamps. So many of the brightest texels are those of
-    /// `outsides` of rooms, which nobody within sees.
+    /// The warning that names `--bounces` and `--max-distance`, where most of the surface is dark and neither was given;
+    /// bounces help only where some light gets in. None where there are lamps.
+    ///
+    /// * `hides`: points on outsides of rooms, which nobody within sees.
+    /// * `texels`: of the whole atlas.
     pub fn interior(
         &self,
         options: &Options,
         has_lamps: bool,
-        outsides: u64,
+        hides: impl Fn(&SurfacePoint) -> bool,
+        texels: u64,
     ) -> Option<WarningReport> {
-        let dark: u64 = self.0[..(DARK * BINS as f64) as usize].iter().sum();
-        let all = self.0.iter().sum::<u64>().saturating_sub(outsides);
-        let lit = all.saturating_sub(self.0[0]);
-        let is_closed = lit as f64 <= LEAKS * all as f64 + BORDERS * outsides as f64;
-        let bounces = options.bounces != Bounces::Off && !is_closed;
-        let helped = options.max_distance.is_some() || has_lamps || bounces;
+        if options.max_distance.is_some() || has_lamps {
+            return None;
+        }
+        let known = self.0.iter().filter(|seen| seen.diffuse.is_some());
+        let (hidden, shown): (Vec<_>, Vec<_>) = known.partition(|seen| hides(&seen.point));
+        let below = |least: f32| {
+            let darker = |seen: &&&Seen| seen.diffuse.is_some_and(|value| value < least);
+            shown.iter().filter(darker).count()
+        };
+        let (all, dark) = (shown.len(), below(DARK));
+        let lit = all - below(FAINT);
+        let is_closed = lit as f64 <= LEAKS * all as f64 + BORDERS * hidden.len() as f64;
+        let share = dark as f64 / all.max(1) as f64;
         let message = match is_closed {
             true => {
                 "next to no light of the sky gets in: all is closed, and between surfaces there is nothing to \
@@ -54,58 +84,119 @@ impl Brightness {
                     .into()
             }
             false => format!(
-                "most texels see less than {:.0} % of the sky, as in a room or inside of a machine; `--bounces auto` \
-                 lets light go on from surface to surface there, and `--max-distance D` shows corners and contacts, \
-                 with D about a third of a room's height",
+                "{:.0} % of the surface sees less than {:.0} % of the sky: `--bounces auto` lets light go on from surface to \
+                 surface there, and `--max-distance D` lets nothing farther away than D darken it, in a room about a \
+                 third of its height",
+                100.0 * share,
                 100.0 * DARK
             ),
         };
-        (!helped && all > 0 && 2 * dark > all).then(|| WarningReport {
+        let bounces = options.bounces != Bounces::Off && !is_closed;
+        (!bounces && 2 * dark > all).then(|| WarningReport {
             kind: "interior".into(),
             place: "scene".into(),
-            count: dark,
+            count: (share * texels as f64) as u64,
             message,
         })
     }
+}
+
+/// [`POINTS`] points, spread by area over all surfaces with texels that somebody may see.
+fn over_surface(job: &Job) -> Vec<Seen> {
+    let (world, atlas) = (job.world(), job.atlas());
+    let instances = 0..atlas.placements.len() as u32;
+    let triangles = instances.flat_map(|instance| {
+        let mesh = world.scene().instances[instance as usize].mesh;
+        let layout = &atlas.meshes[mesh as usize];
+        (0..layout.triangles.len() as u32).filter_map(move |triangle| {
+            let is_hidden = layout.hidden.get(triangle as usize) == Some(&true);
+            let (page, corners) = on_page(job, instance, triangle).filter(|_| !is_hidden)?;
+            let [a, b, c] = world.corners(instance, triangle);
+            let area = (b - a).cross(c - a).length();
+            Some((instance, triangle, area, page, corners))
+        })
+    });
+    let whole: f64 = triangles.clone().map(|of| of.2).sum();
+    let (mut along, mut points) = (0.0, Vec::with_capacity(POINTS));
+    for (instance, triangle, area, page, corners) in triangles {
+        along += area;
+        while points.len() < POINTS && (points.len() as f64 + 0.5) * whole < along * POINTS as f64 {
+            // Of a triangle's points each has its own place in it.
+            let k = points.len() as f64;
+            let [u, v] = [0.754_877_666, 0.569_840_291].map(|turn| (k * turn).fract());
+            let root = f64::sqrt(u);
+            let weights = [1.0 - root, root * (1.0 - v), root * v];
+            let at = corners.iter().zip(weights);
+            points.push(Seen {
+                point: SurfacePoint {
+                    instance,
+                    triangle,
+                    weights,
+                },
+                page,
+                at: at.map(|(corner, weight)| corner.as_dvec2() * weight).sum(),
+                diffuse: None,
+            });
+        }
+    }
+    points
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// A surface of which the k-th point of so many has such a diffuse term.
+    fn surface(parts: &[(f32, usize)]) -> Brightness {
+        let seen = |number: usize, diffuse: f32| Seen {
+            point: SurfacePoint {
+                instance: 0,
+                triangle: number as u32,
+                weights: [1.0, 0.0, 0.0],
+            },
+            page: 0,
+            at: DVec2::ZERO,
+            diffuse: Some(diffuse),
+        };
+        let values = parts
+            .iter()
+            .flat_map(|&(diffuse, count)| vec![diffuse; count]);
+        Brightness(
+            values
+                .enumerate()
+                .map(|(k, value)| seen(k, value))
+                .collect(),
+        )
+    }
+
     #[test]
     fn a_dark_median_is_an_interior_unless_a_distance_or_bounces_were_given() {
-        let mut pages = Brightness::default();
-        pages.add(
-            &[0.02, 0.05, 0.7, 0.0, 0.0, 0.0],
-            &[1.0, 0.3, 1.0, 0.0, 0.0, 0.0],
-        );
+        let pages = surface(&[(0.7, 1), (0.02, 1), (0.05, 1)]);
         let warning = pages
-            .interior(&Options::default(), false, 0)
-            .expect("two of three covered texels are dark");
+            .interior(&Options::default(), false, |_| false, 100)
+            .expect("two of three parts are dark");
         assert!(warning.message.contains("--max-distance"));
         assert!(warning.message.contains("--bounces"));
+        assert!(warning.message.starts_with("67 % of the surface"));
+        assert_eq!(warning.count, 66);
         let (mut limited, mut bounced) = (Options::default(), Options::default());
         (limited.max_distance, bounced.bounces) = (Some(1.0), Bounces::Auto);
-        assert!(pages.interior(&limited, false, 0).is_none());
-        assert!(pages.interior(&bounced, false, 0).is_none());
-        pages.add(&[0.9], &[1.0]);
-        assert!(
-            pages.interior(&Options::default(), false, 0).is_none(),
-            "half is not most"
-        );
-        assert!(
-            pages.interior(&Options::default(), false, 2).is_some(),
-            "two of three, but for what lies outside"
-        );
+        assert!(pages.interior(&limited, false, |_| false, 100).is_none());
+        assert!(pages.interior(&bounced, false, |_| false, 100).is_none());
+        let pages = surface(&[(0.7, 1), (0.9, 1), (0.02, 1), (0.05, 1)]);
+        let told = |hidden: u32| {
+            let hides = |point: &SurfacePoint| point.triangle < hidden;
+            pages.interior(&Options::default(), false, hides, 100)
+        };
+        assert!(told(0).is_none(), "half is not most");
+        assert!(told(1).is_some(), "two of three, but for what lies outside");
     }
 
     #[test]
     fn where_no_light_gets_in_nothing_is_said_of_bounces() {
-        let mut pages = Brightness::default();
-        pages.add(&[0.0004; 5000], &[1.0; 5000]);
+        let pages = surface(&[(0.0004, 5000)]);
         let closed = pages
-            .interior(&Options::default(), false, 0)
+            .interior(&Options::default(), false, |_| false, 5000)
             .expect("all is dark");
         assert!(closed.message.contains("--max-distance") && !closed.message.contains("bounces"));
         let bounced = Options {
@@ -113,16 +204,16 @@ mod tests {
             ..Options::default()
         };
         let still = pages
-            .interior(&bounced, false, 0)
+            .interior(&bounced, false, |_| false, 5000)
             .map(|warning| warning.message);
         assert_eq!(still, Some(closed.message), "there is nothing to send on");
         assert!(
-            pages.interior(&bounced, true, 0).is_none(),
+            pages.interior(&bounced, true, |_| false, 5000).is_none(),
             "a lamp is in it"
         );
-        pages.add(&[0.05; 50], &[1.0; 50]);
+        let pages = surface(&[(0.0004, 5000), (0.05, 50)]);
         let lit = pages
-            .interior(&Options::default(), false, 0)
+            .interior(&Options::default(), false, |_| false, 5050)
             .expect("most is dark");
         assert!(lit.message.contains("--bounces"));
     }

@@ -114,6 +114,7 @@ mod facing;
 #[doc(hidden)]
 pub mod flags;
 mod host;
+#[cfg(feature = "write")]
 mod interior;
 mod job;
 mod layout;

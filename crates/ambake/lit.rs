@@ -171,20 +171,25 @@ fn size(job: &Job) -> ([u32; 2], u32) {
 
 /// Where the texels of a hit lie.
 fn place(job: &Job, hit: &SurfaceHit) -> Option<TexelPlace> {
+    let (page, corners) = on_page(job, hit.instance, hit.triangle)?;
+    Some(TexelPlace::of(page, hit, corners))
+}
+
+/// The page of a triangle, and where its corners lie there as parts of the page's edge; `None` where it has no texels.
+pub(crate) fn on_page(job: &Job, instance: u32, triangle: u32) -> Option<(u32, [Vec2; 3])> {
     let atlas = job.atlas();
-    let placement = &atlas.placements[hit.instance as usize];
+    let placement = &atlas.placements[instance as usize];
     if !placement.is_somewhere() {
         return None;
     }
-    let mesh = job.world().scene().instances[hit.instance as usize].mesh;
+    let mesh = job.world().scene().instances[instance as usize].mesh;
     let layout = &atlas.meshes[mesh as usize];
     let pages = &layout.triangle_pages;
-    let further = pages.get(hit.triangle as usize).copied().unwrap_or(0);
+    let further = pages.get(triangle as usize).copied().unwrap_or(0);
     let [scale, offset] = [placement.scale, placement.offset].map(Vec2::from);
-    let corners = layout.triangles[hit.triangle as usize];
-    Some(TexelPlace::of(
+    let corners = layout.triangles[triangle as usize];
+    Some((
         placement.page + u32::from(further),
-        hit,
         corners.map(|corner| layout.uvs[corner as usize] * scale + offset),
     ))
 }

@@ -14,6 +14,7 @@ use crate::job::Job;
 use crate::lit::LitScene;
 use crate::parts::Kind;
 use crate::resume::Saved;
+use crate::shell::Shell;
 use crate::state::{self, Head};
 use crate::update::Tracker;
 use crate::vertices::Fit;
@@ -195,9 +196,7 @@ impl<'a> Writer<'a> {
             )?);
             self.scene_pictures.add(&light);
         }
-        if let (Some(diffuse), Some(coverage)) = (diffuse, page.layer(Layer::Coverage)) {
-            self.brightness.add(diffuse, coverage);
-        }
+        self.brightness.add(self.job, page);
         self.pictures = self
             .pictures
             .take()
@@ -262,12 +261,17 @@ impl<'a> Writer<'a> {
         report.bounces = bounces.map(bounce_report);
         report.any_view = any_view;
         report.lightmaps = self.lightmaps;
-        let outsides = report.warnings.iter().find(|of| of.kind == "outsides");
-        let interior = self.brightness.interior(
-            self.job.options(),
-            self.job.has_lamps(),
-            outsides.map_or(0, |of| of.count),
-        );
+        let has_outsides = report.warnings.iter().any(|of| of.kind == "outsides");
+        let interior = self.job.within(|| {
+            let shell = has_outsides.then(|| Shell::of(self.job.world(), self.job.backend()));
+            let shell = shell.flatten();
+            self.brightness.interior(
+                self.job.options(),
+                self.job.has_lamps(),
+                |point| shell.as_ref().is_some_and(|shell| shell.hides(point)),
+                self.job.atlas().audit.texels,
+            )
+        });
         report.warnings.extend(enclosed(self.job));
         report.warnings.extend(interior);
         let missing = bounces.and_then(|stats| light_is_missing(self.job, &stats));
