@@ -11,7 +11,6 @@ use glam::DVec3;
 use rays::{RayBackend, World};
 use room::{Room, Within};
 use std::f64::consts::PI;
-use subject::points;
 
 /// Vertical field of view inside of a room, in radians: 65 degrees.
 const WIDE: f64 = 65.0 * PI / 180.0;
@@ -76,7 +75,7 @@ impl Framing {
     }
 
     fn around(&self, room: &Room) -> Result<Camera, Error> {
-        let toward = room.outside(&points(room.world, room.around));
+        let toward = room.outside();
         let middle = room.focus.center();
         let eye = match room.is_part {
             false => self.eye_outside(room.world, room.around, toward),

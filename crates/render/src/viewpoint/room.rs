@@ -1,7 +1,7 @@
 //! The scene as a place to look around in: what rays from a place meet, how closed it is there, and which view shows
 //! most.
 
-use super::subject::{Point, focus, normal};
+use super::subject::{Point, focus, normal, points};
 use crate::Camera;
 use crate::framing::extent;
 use glam::{DQuat, DVec3};
@@ -18,8 +18,8 @@ const HALF_OPEN: u32 = 36;
 const SOLID: u32 = 12;
 /// A view from another side is taken where it shows so many times as many of them.
 const BETTER: f64 = 1.25;
-/// What a view within a closed scene tells counts so many times against one from outside.
-const CUPBOARDS: f64 = 1.4;
+/// What a view within a scene of rooms tells counts so many times against one from outside.
+const ROOMS: f64 = 1.4;
 /// By how much the steeper views rise above the others, in radians: 25 degrees.
 const STEEPER: f64 = 25.0 * PI / 180.0;
 /// Rays across a picture by which one from inside and one from outside are compared.
@@ -62,6 +62,8 @@ pub(super) struct Room<'a> {
     /// The part of the scene that is looked at, and whether that is not all.
     pub focus: Bounds,
     pub is_part: bool,
+    /// What is to be seen.
+    points: Vec<Point>,
 }
 
 impl<'a> Room<'a> {
@@ -74,6 +76,7 @@ impl<'a> Room<'a> {
             up: up.normalize_or(DVec3::Y),
             focus: focus.unwrap_or(extent(world, around)),
             is_part: focus.is_some(),
+            points: points(world, around),
         }
     }
 
@@ -123,19 +126,26 @@ impl<'a> Room<'a> {
         way * end.map_or(1.0, |hit| BEFORE * f64::from(hit.t)).min(1.0)
     }
 
-    /// The direction from which most of some points are seen, of eight around the scene and eight steeper ones: that of
+    /// True where an eye at a place sees the front of a point.
+    fn sees(&self, eye: DVec3, point: &Point) -> bool {
+        let hit = self.first(eye, point.at - eye);
+        hit.is_some_and(|hit| hit.front && (hit.instance, hit.triangle) == point.triangle)
+    }
+
+    /// A distance beyond all that is looked at.
+    fn far(&self) -> f64 {
+        2.0 * (self.focus.max - self.focus.min).length()
+    }
+
+    /// The direction from which most points are seen, of eight around the scene and eight steeper ones: that of
     /// [`Camera::front`] unless many more are from another around, and a steeper one where many more are from there.
-    pub fn outside(&self, points: &[Point]) -> DVec3 {
+    pub fn outside(&self) -> DVec3 {
         let front = Camera::front(self.up);
         let axis = self.up.cross(front).normalize_or(DVec3::X);
         let rings = [0.0, STEEPER].map(|rise| DQuat::from_axis_angle(axis, -rise) * front);
-        let far = 2.0 * (self.focus.max - self.focus.min).length();
         let seen = |toward: DVec3| {
-            let is_seen = |point: &&Point| {
-                let hit = self.first(point.at + far * toward, -toward);
-                hit.is_some_and(|hit| hit.front && (hit.instance, hit.triangle) == point.triangle)
-            };
-            points.iter().filter(is_seen).count()
+            let is_seen = |point: &&Point| self.sees(point.at + self.far() * toward, point);
+            self.points.iter().filter(is_seen).count()
         };
         let mut best = (seen(rings[0]), rings[0]);
         for ring in rings {
@@ -210,20 +220,32 @@ impl<'a> Room<'a> {
         let is_closed = is_closed(&places);
         let least = if is_closed { CLOSED } else { HALF_OPEN };
         let through = self.best(&places, least)?;
+        let closed = places.iter().filter(|place| place.1 >= CLOSED);
+        let closed: Vec<DVec3> = closed.map(|place| place.0).collect();
         // A place counts by how much of it is roofed: a doll's house without a roof is looked at from above, a cave or
-        // a hall below a skylight is not. Nobody is to look at the outside of a closed scene, unless that tells far
-        // more: then what is closed are cupboards.
+        // a hall below a skylight is not. Nobody is to look at the outside of rooms, unless that tells far more: then
+        // what is closed are cupboards.
         let counts = match is_closed {
-            true => CUPBOARDS,
+            true if self.is_furnished(&closed) => ROOMS,
+            true => 1.0,
             false => self.roofed(through[0]),
         };
-        let closed = places.iter().filter(|place| place.1 >= CLOSED);
         Some(Within {
             through,
             counts,
             is_closed,
-            places: closed.map(|place| place.0).collect(),
+            places: closed,
         })
+    }
+
+    /// True where at least as many points are seen from closed places as from outside alone. Rooms show what they have
+    /// within; the fronts, handles and feet of a piece of furniture are outside.
+    fn is_furnished(&self, closed: &[DVec3]) -> bool {
+        let is_within = |point: &&Point| closed.iter().any(|eye| self.sees(*eye, point));
+        let (within, others): (Vec<_>, Vec<_>) = self.points.iter().partition(is_within);
+        let from = |point: &Point, k: u32| point.at + self.far() * spiral(k);
+        let is_outside = |point: &&&Point| (0..AROUND).any(|k| self.sees(from(point, k), point));
+        within.len() >= others.iter().filter(is_outside).count()
     }
 
     /// The share of the directions above the horizon of a place that meet fronts.

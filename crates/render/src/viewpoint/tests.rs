@@ -117,6 +117,45 @@ fn empty_cupboards_with_everything_before_them_are_looked_at_from_outside() {
 }
 
 #[test]
+fn a_shut_wardrobe_is_no_room_and_the_same_boards_around_furniture_are_one() {
+    let boards = [
+        [[0.0, 0.0, 0.0], [0.03, 2.0, 0.6]],
+        [[1.17, 0.0, 0.0], [1.2, 2.0, 0.6]],
+        [[0.03, 0.0, 0.0], [1.17, 2.0, 0.02]],
+        [[0.03, 0.0, 0.02], [1.17, 0.03, 0.6]],
+        [[0.03, 1.97, 0.02], [1.17, 2.0, 0.6]],
+        [[0.0, 0.0, 0.605], [0.598, 2.0, 0.63]],
+        [[0.602, 0.0, 0.605], [1.2, 2.0, 0.63]],
+    ];
+    let handles_and_feet = [
+        [[0.54, 0.95, 0.63], [0.56, 1.1, 0.66]],
+        [[0.64, 0.95, 0.63], [0.66, 1.1, 0.66]],
+        [[0.0, -0.1, 0.0], [0.05, 0.0, 0.05]],
+        [[1.15, -0.1, 0.0], [1.2, 0.0, 0.05]],
+        [[0.0, -0.1, 0.55], [0.05, 0.0, 0.6]],
+        [[1.15, -0.1, 0.55], [1.2, 0.0, 0.6]],
+    ];
+    let furniture = [
+        [[0.2, 0.03, 0.1], [0.5, 0.5, 0.2]],
+        [[0.8, 0.03, 0.1], [1.0, 0.7, 0.3]],
+        [[0.2, 0.9, 0.02], [0.6, 1.2, 0.04]],
+        [[0.5, 0.03, 0.4], [0.7, 0.4, 0.5]],
+    ];
+    for (things, is_room) in [(&handles_and_feet[..], false), (&furniture, true)] {
+        let blocks = boards.iter().chain(things);
+        let blocks = blocks.map(|corners| corners.map(Vec3::from));
+        let sheets: Vec<_> = blocks
+            .flat_map(|[low, high]| block(low, high - low, 1))
+            .collect();
+        let (world, backend) = world(&sheets);
+        let places = places_within(&world, backend.as_ref());
+        assert_eq!(!places.is_empty(), is_room, "{} places", places.len());
+        let camera = FRAMING.fitted(&world, backend.as_ref(), &[], false);
+        assert_eq!(camera.unwrap().slope > 0.6, is_room);
+    }
+}
+
+#[test]
 fn a_hall_below_a_skylight_is_looked_at_from_inside() {
     // Three eighths of its ceiling are open.
     let [x, y, z] = [Vec3::X * 2.5, Vec3::Y * 3.0, Vec3::Z * 6.0];
