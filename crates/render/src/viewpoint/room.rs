@@ -14,6 +14,8 @@ const AROUND: u32 = 64;
 /// skylight.
 const CLOSED: u32 = 58;
 const HALF_OPEN: u32 = 36;
+/// A place is above a floor where so much of what is below it meets fronts.
+const FLOOR: f64 = 1.0 / 3.0;
 /// A place is inside of a solid where so many meet backs.
 const SOLID: u32 = 12;
 /// A view from another side is taken where it shows so many times as many of them.
@@ -228,7 +230,7 @@ impl<'a> Room<'a> {
         let counts = match is_closed {
             true if self.is_furnished(&closed) => ROOMS,
             true => 1.0,
-            false => self.roofed(through[0]),
+            false => self.shut(through[0], self.up),
         };
         Some(Within {
             through,
@@ -248,21 +250,19 @@ impl<'a> Room<'a> {
         within.len() >= others.iter().filter(is_outside).count()
     }
 
-    /// The share of the directions above the horizon of a place that meet fronts.
-    pub fn roofed(&self, eye: DVec3) -> f64 {
-        let above = || {
-            (0..AROUND)
-                .map(spiral)
-                .filter(|toward| toward.dot(self.up) > 0.0)
-        };
+    /// The share of the directions of a place toward a side that meet fronts.
+    pub fn shut(&self, eye: DVec3, side: DVec3) -> f64 {
+        let toward_side = || (0..AROUND).map(spiral).filter(|way| way.dot(side) > 0.0);
         let is_met = |toward: &DVec3| self.first(eye, *toward).is_some_and(|hit| hit.front);
-        above().filter(is_met).count() as f64 / above().count().max(1) as f64
+        toward_side().filter(is_met).count() as f64 / toward_side().count().max(1) as f64
     }
 
-    /// Eye and look-at point that show most, at a place where so many directions or more meet fronts.
+    /// Eye and look-at point that show most, at a place above a floor where so many directions or more meet fronts. Below
+    /// land that looks down there is no floor.
     pub fn best(&self, places: &[Place], fronts: u32) -> Option<[DVec3; 2]> {
         let mut best: Option<(f64, [DVec3; 2])> = None;
-        for &(eye, _) in places.iter().filter(|place| place.1 >= fronts) {
+        let is_within = |place: &&Place| place.1 >= fronts && self.shut(place.0, -self.up) >= FLOOR;
+        for &(eye, _) in places.iter().filter(is_within) {
             for step in 0..12 {
                 let (score, far) = self.depth(eye, TAU * f64::from(step) / 12.0);
                 if best.is_none_or(|(most, _)| score > most) {

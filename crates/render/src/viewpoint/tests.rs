@@ -156,6 +156,31 @@ fn a_shut_wardrobe_is_no_room_and_the_same_boards_around_furniture_are_one() {
 }
 
 #[test]
+fn land_that_looks_down_is_looked_at_from_above() {
+    // Four slopes of a wide hill, which look down, and houses on it.
+    let [x, z] = [Vec3::X, Vec3::Z].map(|way| way * 8.0);
+    let slope = |corner: Vec3, a: Vec3, b: Vec3| {
+        // Each falls from the middle to its own corner.
+        let fall = -1.5 * Vec3::Y;
+        white([corner, a + fall, b + fall])
+    };
+    let mut sheets = vec![
+        slope(3.0 * Vec3::Y, x, z),
+        slope(3.0 * Vec3::Y, z, -x),
+        slope(3.0 * Vec3::Y, -x, -z),
+        slope(3.0 * Vec3::Y, -z, x),
+    ];
+    sheets.extend((0..5).flat_map(|k| {
+        let at = Vec3::new(0.5 * k as f32 - 1.0, 2.9, 0.9 * k as f32 - 3.0);
+        block(at, Vec3::new(0.4, 0.5, 0.2), 1)
+    }));
+    let (world, backend) = world(&sheets);
+    let camera = FRAMING.fitted(&world, backend.as_ref(), &[], false);
+    let camera = camera.unwrap();
+    assert!(camera.eye.y > 3.0 && camera.slope < 0.6, "{camera:?}");
+}
+
+#[test]
 fn a_hall_below_a_skylight_is_looked_at_from_inside() {
     // Three eighths of its ceiling are open.
     let [x, y, z] = [Vec3::X * 2.5, Vec3::Y * 3.0, Vec3::Z * 6.0];
