@@ -102,6 +102,40 @@ fn a_picture_that_would_be_black_from_within_is_taken_from_outside() {
 }
 
 #[test]
+fn an_interior_that_is_lit_in_a_part_is_shown_there_and_not_black() {
+    // A dark hall of 10 by 3 by 6, and beside it one without a roof over its middle: all looks inward.
+    let quads = [
+        [[0, 0, 0], [0, 0, 6], [16, 0, 6], [16, 0, 0]],
+        [[0, 0, 0], [0, 3, 0], [0, 3, 6], [0, 0, 6]],
+        [[0, 0, 0], [16, 0, 0], [16, 3, 0], [0, 3, 0]],
+        [[16, 0, 0], [16, 0, 6], [16, 3, 6], [16, 3, 0]],
+        [[0, 0, 6], [0, 3, 6], [16, 3, 6], [16, 0, 6]],
+        [[0, 3, 0], [11, 3, 0], [11, 3, 6], [0, 3, 6]],
+        [[14, 3, 0], [16, 3, 0], [16, 3, 6], [14, 3, 6]],
+        [[10, 0, 0], [10, 0, 6], [10, 3, 6], [10, 3, 0]],
+        [[10, 0, 0], [10, 3, 0], [10, 3, 6], [10, 0, 6]],
+    ];
+    let mut text = String::new();
+    for (number, quad) in quads.iter().enumerate() {
+        let corners = quad.map(|[x, y, z]| format!("v {x} {y} {z}\n")).concat();
+        let [a, b, c, d] = [1, 2, 3, 4].map(|k| 4 * number + k);
+        text += &format!("{corners}o wall{number}\nf {a} {b} {c} {d}\n");
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("halls.obj");
+    fs::write(&path, text).expect("a file");
+    let (out, _) = bake(&path, &["--size", "256", "--rays", "16"]);
+    let lit = bytes(&out.path().join("halls.lit.png"));
+    let shown = |is: fn(&[u8]) -> bool| {
+        let pixels = lit.chunks(3).filter(|pixel| is(pixel)).count();
+        pixels as f64 / (lit.len() / 3) as f64
+    };
+    let black = shown(|pixel| pixel.iter().all(|v| *v < 40));
+    let sky = shown(|pixel| pixel[2] > pixel[0] + 20);
+    assert!(black < 0.25 && sky < 0.25, "{black} black, {sky} sky");
+}
+
+#[test]
 fn wires_in_a_duct_make_no_interior_of_a_plane_in_the_light() {
     // A plane of 400 above a duct of 124 that looks inward, and in it a hundred wires of 0.1 each: a quarter of the
     // surface is dark. A wire touches a row of texels.

@@ -7,7 +7,7 @@ use ::bake::{BakedPage, LayerPlanes};
 use environment::Image;
 use glam::{DVec3, Vec2, Vec3};
 use rays::{Overrides, SurfaceHit, Surfaces};
-use render::{Direct, Exposure, Framing, Lamps, Lit, TexelPlace};
+use render::{Camera, Direct, Exposure, Framing, Lamps, Lit, TexelPlace};
 use std::time::Instant;
 
 /// Layers that can light a scene, the best one first.
@@ -24,10 +24,11 @@ const LAYERS: [&str; 7] = [
 /// A share of the sky's light that comes through cracks alone.
 const FAINT: f64 = 1e-4;
 
-/// What is darker in a picture than 8 of 255 is black, and a picture is black where no more than this share of
-/// its surfaces is not.
+/// What is darker in a picture than 8 of 255 is black, and a picture is black where less than a 16th of its surfaces is
+/// brighter.
 const BLACK: f32 = 0.0024;
 const SHOWN: f64 = 1.0 / 16.0;
+const HALF: f64 = 0.5;
 
 /// Rays by which surfaces without texels are lit.
 const RAYS: u32 = 16;
@@ -35,7 +36,8 @@ const RAYS: u32 = 16;
 /// The picture while pages come in.
 #[derive(Default)]
 pub(crate) struct LitScene {
-    /// Found with the first page: from the view that fits the scene, and where that is within it from outside.
+    /// Found with the first page: from the view that fits the scene, and where that is within it from others there and
+    /// outside that may be brighter.
     lit: Vec<Lit>,
     backdrop: DVec3,
     /// How much a picture is brightened at most.
@@ -66,23 +68,29 @@ impl LitScene {
         self.seconds += clock.elapsed().as_secs_f64();
     }
 
-    /// The picture as a PNG file: the first that is not black, or else the first; `None` where no layer can light it.
+    /// The picture as a PNG file; `None` where no layer can light it. Where less than half of the first is bright it is
+    /// that from within of which most is, and that from outside, the last one, where all those are black.
     pub fn picture(&mut self) -> Option<Vec<u8>> {
         let clock = Instant::now();
-        let shows = |(picture, alpha): &(Image, Vec<f32>)| {
+        let bright = |(picture, alpha): &(Image, Vec<f32>)| {
             let surfaces = picture.pixels.iter().zip(alpha);
             let surfaces = surfaces.filter(|(_, alpha)| **alpha > 0.5);
             let bright = surfaces
                 .clone()
                 .filter(|(p, _)| Vec3::from(**p).max_element() > BLACK);
-            bright.count() as f64 > SHOWN * surfaces.count() as f64
+            bright.count() as f64 / surfaces.count().max(1) as f64
         };
-        let first = self.developed(self.lit.first()?);
-        let others = || self.lit[1..].iter().map(|lit| self.developed(lit));
-        let (mut picture, alpha) = match shows(&first) {
-            true => first,
-            false => others().find(shows).unwrap_or(first),
-        };
+        let (first, others) = self.lit.split_first()?;
+        let mut chosen = self.developed(first);
+        let mut share = bright(&chosen);
+        for (left, lit) in (0..others.len()).rev().zip(others) {
+            let least = if left == 0 { SHOWN } else { HALF };
+            let other = (share < least).then(|| self.developed(lit));
+            if let Some(other) = other.filter(|other| bright(other) > share) {
+                (share, chosen) = (bright(&other), other);
+            }
+        }
+        let (mut picture, alpha) = chosen;
         let behind = self.backdrop.as_vec3();
         for (pixel, alpha) in picture.pixels.iter_mut().zip(alpha) {
             *pixel = (Vec3::from(*pixel) + (1.0 - alpha) * behind).to_array();
@@ -118,7 +126,7 @@ fn most_stops(options: &Options) -> f64 {
     }
 }
 
-/// What the fitted camera sees, and where it stands within the scene what one outside does; `None` where the scene has
+/// What the fitted camera sees, and where it stands within the scene what brighter ones do; `None` where the scene has
 /// no extent to look at.
 fn look(job: &Job) -> Option<Vec<Lit>> {
     let (world, options) = (job.world(), job.options());
@@ -148,9 +156,9 @@ fn look(job: &Job) -> Option<Vec<Lit>> {
     let mut lit = vec![look(&fitted)?];
     let bounds = world.bounds();
     if fitted.eye.clamp(bounds.min, bounds.max) == fitted.eye {
-        let outside = framing.outside(world, job.backend(), &around);
-        let outside = outside.ok().filter(|outside| *outside != fitted);
-        lit.extend(outside.as_ref().and_then(look));
+        let others = framing.brighter(world, job.backend(), &around);
+        let others: Vec<Camera> = others.filter(|other| *other != fitted).collect();
+        lit.extend(others.iter().filter_map(look));
     }
     Some(lit)
 }

@@ -61,17 +61,21 @@ impl Framing {
         Ok((view.counts * own > other).then_some((inside, view)))
     }
 
-    /// The camera of [`Framing::fitted`] outside of a scene, whether or not it shows most there.
-    ///
-    /// # Errors
-    /// [`Error::Camera`], see [`Camera::new`].
-    pub fn outside(
+    /// The cameras to fall back on where what [`Framing::fitted`] shows from within is dark: within, where most of what
+    /// is seen sees the sky, and outside.
+    pub fn brighter(
         &self,
         world: &World,
         backend: &dyn RayBackend,
         around: &[u32],
-    ) -> Result<Camera, Error> {
-        self.around(&Room::of(world, backend, around, self.up))
+    ) -> impl Iterator<Item = Camera> {
+        let room = Room::of(world, backend, around, self.up);
+        let wide = Framing {
+            fov: self.fov.max(WIDE),
+            ..*self
+        };
+        let within = (room.within_light()).and_then(|view| wide.camera_at(view).ok());
+        within.into_iter().chain(self.around(&room).ok())
     }
 
     fn around(&self, room: &Room) -> Result<Camera, Error> {

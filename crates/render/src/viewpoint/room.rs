@@ -28,6 +28,8 @@ const STEEPER: f64 = 25.0 * PI / 180.0;
 const ACROSS: u32 = 40;
 /// Cells of a grid along the longest side of a scene, in each of which a piece of surface is of one body.
 const CELLS: f64 = 16.0;
+/// Of the directions over a surface, one in so many is asked whether it meets nothing.
+const OPEN: usize = 4;
 /// A ray goes on so much of its way past what it does not meet.
 const PAST: f32 = 1e-5;
 /// So much of the way to what is around the scene an eye may take.
@@ -221,7 +223,11 @@ impl<'a> Room<'a> {
         let places = self.places();
         let is_closed = is_closed(&places);
         let least = if is_closed { CLOSED } else { HALF_OPEN };
-        let through = self.best(&places, least)?;
+        // Below land that looks down there is no floor.
+        let has_floor = |eye: DVec3| self.shut(eye, -self.up) >= FLOOR;
+        let eyes = places.iter().filter(|place| place.1 >= least);
+        let eyes = eyes.map(|place| place.0).filter(|eye| has_floor(*eye));
+        let through = self.best(eyes, |_, _| true)?;
         let closed = places.iter().filter(|place| place.1 >= CLOSED);
         let closed: Vec<DVec3> = closed.map(|place| place.0).collect();
         // A place counts by how much of it is roofed: a doll's house without a roof is looked at from above, a cave or
@@ -250,6 +256,13 @@ impl<'a> Room<'a> {
         within.len() >= others.iter().filter(is_outside).count()
     }
 
+    /// The view from within that shows most of what sees the sky; `None` where no half open place does.
+    pub fn within_light(&self) -> Option<[DVec3; 2]> {
+        let places = self.places().into_iter();
+        let eyes = places.filter(|place| place.1 >= HALF_OPEN);
+        self.best(eyes.map(|place| place.0), |at, hit| self.is_open(at, hit))
+    }
+
     /// The share of the directions of a place toward a side that meet fronts.
     pub fn shut(&self, eye: DVec3, side: DVec3) -> f64 {
         let toward_side = || (0..AROUND).map(spiral).filter(|way| way.dot(side) > 0.0);
@@ -257,15 +270,29 @@ impl<'a> Room<'a> {
         toward_side().filter(is_met).count() as f64 / toward_side().count().max(1) as f64
     }
 
-    /// Eye and look-at point that show most, at a place above a floor where so many directions or more meet fronts. Below
-    /// land that looks down there is no floor.
-    pub fn best(&self, places: &[Place], fronts: u32) -> Option<[DVec3; 2]> {
+    /// True where some of a few rays over the front of a hit, which lies at a place, meet nothing.
+    fn is_open(&self, at: DVec3, hit: &SurfaceHit) -> bool {
+        let normal = self
+            .world
+            .face(hit.instance, hit.triangle)
+            .normalize_or_zero();
+        let from = at + f64::from(PAST) * self.far() * normal;
+        let over = (0..AROUND).map(spiral).filter(|way| way.dot(normal) > 0.25);
+        over.step_by(OPEN)
+            .any(|way| self.first(from, way).is_none())
+    }
+
+    /// Eye, one of some, and look-at point that show most of what counts; `None` where nothing counts.
+    fn best(
+        &self,
+        eyes: impl Iterator<Item = DVec3>,
+        counts: impl Fn(DVec3, &SurfaceHit) -> bool,
+    ) -> Option<[DVec3; 2]> {
         let mut best: Option<(f64, [DVec3; 2])> = None;
-        let is_within = |place: &&Place| place.1 >= fronts && self.shut(place.0, -self.up) >= FLOOR;
-        for &(eye, _) in places.iter().filter(is_within) {
+        for eye in eyes {
             for step in 0..12 {
-                let (score, far) = self.depth(eye, TAU * f64::from(step) / 12.0);
-                if best.is_none_or(|(most, _)| score > most) {
+                let (score, far) = self.depth(eye, TAU * f64::from(step) / 12.0, &counts);
+                if score > best.map_or(0.0, |(most, _)| most) {
                     best = Some((score, [eye, far]));
                 }
             }
@@ -274,8 +301,13 @@ impl<'a> Room<'a> {
     }
 
     /// How much is to be seen in a horizontal direction, and a point to look at there: the mean logarithm of the
-    /// distance of what is met; things close to the eye and backs count nothing.
-    fn depth(&self, eye: DVec3, azimuth: f64) -> (f64, DVec3) {
+    /// distance of what is met and counts; things close to the eye and backs count nothing.
+    fn depth(
+        &self,
+        eye: DVec3,
+        azimuth: f64,
+        counts: impl Fn(DVec3, &SurfaceHit) -> bool,
+    ) -> (f64, DVec3) {
         let bounds = self.focus;
         let near = 0.03 * (bounds.max - bounds.min).length();
         let ahead = self.up.any_orthonormal_vector();
@@ -285,7 +317,9 @@ impl<'a> Room<'a> {
         for index in 0..9 * 5 {
             let [x, y] = [index % 9 - 4, index / 9 - 2].map(f64::from);
             let toward = forward + right * (0.2 * x) + self.up * (0.2 * y);
-            if let Some(hit) = self.first(eye, toward).filter(|hit| hit.front) {
+            let hit = self.first(eye, toward).filter(|hit| hit.front);
+            let hit = hit.filter(|hit| counts(eye + f64::from(hit.t) * toward, hit));
+            if let Some(hit) = hit {
                 sum += (f64::from(hit.t) * toward.length() / near).max(1.0).ln();
             }
         }

@@ -181,6 +181,31 @@ fn land_that_looks_down_is_looked_at_from_above() {
 }
 
 #[test]
+fn a_brighter_view_stands_where_the_sky_is_seen() {
+    // A long dark hall, and beside it a short one without most of its roof.
+    let [x, y, z] = [Vec3::X * 16.0, Vec3::Y * 3.0, Vec3::Z * 6.0];
+    let roof = |from: f32, to: f32| [y + Vec3::X * from, Vec3::X * (to - from), z];
+    let sheets = [
+        [Vec3::ZERO, z, x],
+        [Vec3::ZERO, y, z],
+        [Vec3::ZERO, x, y],
+        [x, z, y],
+        [z, y, x],
+        roof(0.0, 11.0),
+        roof(14.0, 16.0),
+        [Vec3::X * 10.0, z, y],
+        [Vec3::X * 10.1, y, z],
+    ];
+    let (world, backend) = world(&sheets.map(white));
+    let backend = backend.as_ref();
+    let fitted = FRAMING.fitted(&world, backend, &[], false).unwrap();
+    assert!((0.0..10.0).contains(&fitted.eye.x), "{fitted:?}");
+    let brighter: Vec<_> = FRAMING.brighter(&world, backend, &[]).collect();
+    assert!((10.1..16.0).contains(&brighter[0].eye.x), "{brighter:?}");
+    assert_eq!(brighter.len(), 2);
+}
+
+#[test]
 fn a_hall_below_a_skylight_is_looked_at_from_inside() {
     // Three eighths of its ceiling are open.
     let [x, y, z] = [Vec3::X * 2.5, Vec3::Y * 3.0, Vec3::Z * 6.0];
