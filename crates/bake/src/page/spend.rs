@@ -4,10 +4,10 @@
 //! how many it takes: with errors that fall like N^-q the error of a page, its root mean square, would be least at a
 //! given number of rays where N is proportional to s^(2/(1 + 2q)), s being the error of a tile at equal rays. Half of
 //! that power is taken: few rays tell s roughly, and denoising carries a tile's error to those beside it. A tile's own
-//! error decides: what lies beside it on the page is often another surface. Numbers are powers of two, which are the
-//! best numbers of points, or three quarters of them, which are nearly as good. Where these are many, a part of them
-//! is tried first, from which it is a shorter way to all. The rays of pilots are thrown away: a value that had a part in
-//! the choice of its rays would be biased. The texels that they found are kept.
+//! error decides, but where it has few texels: what lies beside it on the page is often another surface. Numbers are
+//! powers of two, which are the best numbers of points, or three quarters of them, which are nearly as good. Where these
+//! are many, a part of them is tried first, from which it is a shorter way to all. The rays of pilots are thrown away: a
+//! value that had a part in the choice of its rays would be biased. The texels that they found are kept.
 
 use super::baker::Baker;
 use super::compose::{is_composed, is_light};
@@ -26,6 +26,10 @@ const LEAST: u32 = 4;
 /// The second pilot takes one in so many of the rays that the first one asks for, where that is more than the first
 /// took. Fewer rays than that are not worth the surfaces of all texels a third time.
 const PART: u32 = 32;
+
+/// What a pilot says of so few texels counts half of what it says of them and those about them: among a handful there
+/// may be none whose rays differ.
+const FEW: f64 = 16.0;
 
 /// How errors fall with the number of rays, after denoising and without: like its power of minus this.
 const DENOISED: f64 = 0.5;
@@ -172,8 +176,30 @@ impl Target {
             }
         }
         let tiles = baker.raster(number);
-        let found = tiles.tiles().iter().map(|&tile| grid[tile as usize]);
+        let found = tiles
+            .tiles()
+            .iter()
+            .map(|&tile| beside(&grid, across, tile));
         found.collect()
+    }
+}
+
+/// What is known of a tile, with as much as [`FEW`] texels know of it and those about it.
+fn beside(grid: &[Found], across: u32, tile: u32) -> Found {
+    let [x, y] = [tile % across, tile / across];
+    let own = grid[tile as usize];
+    let mut all = Found::default();
+    for y in y.saturating_sub(1)..(y + 2).min(across) {
+        for x in x.saturating_sub(1)..(x + 2).min(across) {
+            let other = grid[(y * across + x) as usize];
+            all.texels += other.texels;
+            all.squares += other.squares;
+        }
+    }
+    let mean = all.squares / all.texels.max(1.0);
+    Found {
+        texels: own.texels,
+        squares: own.texels * (own.squares + FEW * mean) / (own.texels + FEW),
     }
 }
 
@@ -324,5 +350,22 @@ mod tests {
                 .iter()
                 .all(|found| (found.squares - 5.0).abs() < 1e-9)
         );
+    }
+
+    #[test]
+    fn a_tile_of_few_texels_is_known_by_those_about_it() {
+        let of = |texels: f64, error: f64| Found {
+            texels,
+            squares: texels * error * error,
+        };
+        let mut grid = vec![of(256.0, 1.0); 9];
+        (grid[4], grid[8]) = (of(2.0, 0.0), of(256.0, 0.0));
+        let error = |tile: u32| {
+            let found = beside(&grid, 3, tile);
+            (found.squares / found.texels).sqrt()
+        };
+        assert!((0.8..0.95).contains(&error(4)), "{}", error(4));
+        assert!((0.99..=1.0).contains(&error(0)), "{}", error(0));
+        assert!(error(8) < 0.2, "{}", error(8));
     }
 }
