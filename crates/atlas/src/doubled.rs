@@ -102,7 +102,7 @@ mod tests {
     fn strip(count: u32) -> [Vec<[u32; 3]>; 2] {
         let turn = |[a, b, c]: [u32; 3]| [a, c, b];
         let one = |k: u32| {
-            if k % 2 == 0 {
+            if k.is_multiple_of(2) {
                 [k, k + 1, k + 2]
             } else {
                 [k + 1, k, k + 2]
@@ -123,7 +123,13 @@ mod tests {
         // In turns, the first of each pair being of either side.
         let pairs = front.iter().zip(&back).enumerate();
         let mixed: Vec<[u32; 3]> = pairs
-            .flat_map(|(k, (f, b))| if k % 3 == 0 { [*f, *b] } else { [*b, *f] })
+            .flat_map(|(k, (f, b))| {
+                if k.is_multiple_of(3) {
+                    [*f, *b]
+                } else {
+                    [*b, *f]
+                }
+            })
             .collect();
         let is_front = |number: &u32| front.contains(&mixed[*number as usize]);
         let found = layers(&mixed);
