@@ -21,7 +21,8 @@
 //!
 //! * How many texels an object gets: `share.rs` is the rule, `search.rs` finds the densities that fit.
 //! * How charts are made: `charts.rs`; flat faces, which are not cut, in `flat`; what is handed to the unwrapper in
-//!   `parts.rs`, what it makes of that in `unwrap.rs`; how large curved pieces are cut and laid flat in `flatten`.
+//!   `parts.rs`, what it makes of that in `unwrap.rs`; sheets that are drawn twice: `doubled.rs`; how large curved
+//!   pieces are cut and laid flat in `flatten`.
 //! * Coordinates of the file: `keep.rs`, and `authored.rs` where their charts are packed apart.
 //! * Packing: `pack.rs` for a page, `pages.rs` for several. How wide gutters are: `gutter.rs`. How they are filled:
 //!   `dilate.rs`.

@@ -33,7 +33,7 @@
 //!   start and go, `gloss.rs` has microfacets, `moments.rs` layers for any view and `directional.rs` light by
 //!   direction, which `page/directional.rs` carries through the last steps.
 //! * Where rays go: `integrate/lobe.rs` says how many a highlight takes, `integrate/guides.rs` where those of dark
-//!   surfaces go, `page/spend.rs` where those of a target go.
+//!   surfaces go, `page/spend.rs` where those of a target go. Which texels are kept: `page/surveys.rs`.
 //! * The standard error: `integrate/estimate.rs`; what neighbours share: `integrate/pool.rs`.
 //! * Light that bounces: `bounce`, with what a surface sends in `radiosity.rs`, what a texel receives in `gather.rs`
 //!   and where its rays are aimed in `spots.rs`.
