@@ -174,8 +174,16 @@ impl Solids {
             let ends = [from, to].map(|step| at + step * width * outward);
             self.nearest_met(of.key, all, ends[0], ends[1]).is_some()
         };
+        // What lies behind its own faces stops no hole: a sheet that is hardly bent is next to all of its hole.
+        let tree = self.tree_of(of.shape, of.key.1);
+        let deep = |at: DVec3, most: f64| {
+            let ends = [at, at - most * width * outward].map(|at| of.inverse.transform_point3(at));
+            let own = tree.nearest(&self.scene, ends[0], ends[1]);
+            own.map_or(most, |(share, _)| share * most)
+        };
         let is_stopped = |at: &DVec3| {
-            is_met(*at, -STOP, STOP) || is_met(*at, 0.0, 1.0) && is_met(*at, 0.0, -1.0)
+            let within = || is_met(*at, 0.0, -deep(*at, 1.0));
+            is_met(*at, -deep(*at, STOP), STOP) || is_met(*at, 0.0, 1.0) && within()
         };
         let points: Vec<[f64; 3]> = middles(parts(cap.len())).collect();
         let (mut asked, mut stopped) = (0.0, 0.0);

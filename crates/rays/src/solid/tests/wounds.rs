@@ -176,6 +176,17 @@ fn a_body_whose_shaft_reaches_out_below_it_is_lit_from_outside() {
 }
 
 #[test]
+fn what_lies_behind_a_shallow_hood_stops_no_hole_of_it() {
+    // A ceiling with a low rim, right below a slab.
+    let half = Vec3::new(1.0, 0.05, 1.0);
+    let ceiling = without(block(Vec3::ZERO, half, true), 1, -half.y);
+    let slab = |y: f32| block(Vec3::Y * y, Vec3::new(1.2, 0.04, 1.2), false);
+    assert_eq!(turned(vec![ceiling.clone(), slab(0.1), sheet()]), 0);
+    // Below it the slab stops its mouth.
+    assert_eq!(turned(vec![ceiling, slab(-0.1), sheet()]), 10);
+}
+
+#[test]
 fn tunnels_bowls_rooms_and_folded_sheets_are_lit_where_they_look() {
     let tube = |half: Vec3| {
         without(
