@@ -51,8 +51,8 @@ impl Brightness {
         }
     }
 
-    /// The warning that names `--bounces` and `--max-distance`, where most of the surface is dark and neither was given;
-    /// bounces help only where some light gets in. None where there are lamps.
+    /// The warning that names `--bounces` and `--max-distance`, where most of the surface is dark and neither was
+    /// given; bounces help only where some light gets in. None where there are lamps.
     ///
     /// * `hides`: points on outsides of rooms, which nobody within sees.
     /// * `texels`: of the whole atlas.
@@ -84,9 +84,9 @@ impl Brightness {
                     .into()
             }
             false => format!(
-                "{:.0} % of the surface sees less than {:.0} % of the sky: `--bounces auto` lets light go on from surface to \
-                 surface there, and `--max-distance D` lets nothing farther away than D darken it, in a room about a \
-                 third of its height",
+                "{:.0} % of the surface sees less than {:.0} % of the sky: `--bounces auto` lets light go on from \
+                 surface to surface there, and `--max-distance D` lets nothing farther away than D darken it, in a \
+                 room about a third of its height",
                 100.0 * share,
                 100.0 * DARK
             ),

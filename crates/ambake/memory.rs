@@ -150,12 +150,8 @@ impl Memory {
         };
         let one = bakes.max(finishes).max(composes).max(seeks);
         if self.light == 0 {
-            return one
-                + if self.seeks {
-                    bytes_of_surveys(covered)
-                } else {
-                    0
-                };
+            let surveys = if self.seeks { covered } else { 0 };
+            return one + bytes_of_surveys(surveys);
         }
         // Light goes from page to page, so all of them wait for it.
         let kept = texels * 4 * self.kept;

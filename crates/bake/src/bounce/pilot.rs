@@ -9,7 +9,7 @@ use super::{Gather, mean};
 use crate::choice::Choice;
 use crate::clock::ThreadClock;
 use crate::options::Bounces;
-use crate::page::Baker;
+use crate::page::{Baker, remade};
 use atlas::PageRaster;
 use glam::DVec3;
 use rays::{Lamps, Light};
@@ -113,7 +113,7 @@ impl<'a> GatherPilot<'a> {
         // In units of the last.
         let points = |last| f64::from(self.baker.gather(&self.sent, last, &self.spots).points);
         let work = 1.0 + before * points(false) / points(true);
-        let survey = (1.0 + before) * self.baker.remade() * taken.survey;
+        let survey = (1.0 + before) * remade(self.baker.atlas.audit.texels) * taken.survey;
         let seconds = seconds + survey + work * taken.light;
         ((rays + taken.rays * work) as u64, seconds)
     }

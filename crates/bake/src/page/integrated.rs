@@ -12,6 +12,7 @@ use crate::integrate::{Coat, Task, Terms, integrate, seals};
 use crate::options::{AmbientCoefficient, Footprint, Model, View};
 use crate::survey::{Surveyor, Texel};
 use ambient::closed_form::phong_open;
+use ambient::sampling::Stream;
 use atlas::{PageRaster, Tile};
 use glam::DVec3;
 use layers::Layer;
@@ -32,7 +33,7 @@ pub(super) struct Integrated {
 
 impl Baker<'_> {
     /// The footprints of a tile.
-    pub(super) fn cut(&self, raster: &PageRaster<'_>, index: usize) -> Tile {
+    fn cut(&self, raster: &PageRaster<'_>, index: usize) -> Tile {
         let surveyor = self.surveyor();
         match self.options.footprint {
             Footprint::Texel => raster.whole_tile(index, |of| surveyor.keeps_whole(of)),
@@ -118,7 +119,24 @@ impl Baker<'_> {
         }
     }
 
-    pub(super) fn surveyor(&self) -> Surveyor<'_> {
+    /// The texels of a tile, ready to be integrated.
+    pub(crate) fn texels(&self, raster: &PageRaster<'_>, page: u32, index: usize) -> Texels {
+        let gathers = [Choice::Bounces, Choice::Lights];
+        let gathers = gathers.iter().any(|&choice| self.plan.models(choice));
+        let is_last = !(gathers || self.is_pilot);
+        let make = || self.survey(raster, page, index);
+        self.surveys.of((page, index as u32), is_last, make)
+    }
+
+    /// The same, made anew.
+    pub(crate) fn survey(&self, raster: &PageRaster<'_>, page: u32, index: usize) -> Vec<Texel> {
+        let tile = self.cut(raster, index);
+        let (seed, size) = (self.options.seed, self.atlas.page_size);
+        let stream = |x, y, term| Stream::new(seed, page, y * size + x, term, 0);
+        self.surveyor().texels(&tile, stream)
+    }
+
+    fn surveyor(&self) -> Surveyor<'_> {
         Surveyor {
             world: self.world,
             atlas: self.atlas,

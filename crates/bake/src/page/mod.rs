@@ -24,6 +24,7 @@ pub use planes::{BakedPage, LayerPlanes};
 pub use share::Deal;
 pub use stats::{ErrorSums, PageStats};
 pub use surveys::bytes_of_surveys;
+pub(crate) use surveys::remade;
 pub(crate) use terms::light_layers;
 pub use terms::{layers_in_work, layers_of_light};
 pub use tile::BakedTile;

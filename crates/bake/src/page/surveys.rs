@@ -1,10 +1,6 @@
 //! Texels that are needed again: those of the pilot of a target, of gathers after the page is finished.
 
-use super::baker::Baker;
-use crate::choice::Choice;
 use crate::survey::Texel;
-use ambient::sampling::Stream;
-use atlas::PageRaster;
 use rustc_hash::FxHashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -32,9 +28,14 @@ pub fn bytes_of_surveys(texels: u64) -> u64 {
     texels.min(MOST) * BYTES
 }
 
+/// The share of so many texels that are made anew wherever they are needed, 0..=1.
+pub(crate) fn remade(texels: u64) -> f64 {
+    1.0 - (MOST as f64 / texels.max(1) as f64).min(1.0)
+}
+
 impl Surveys {
-    /// The texels of a tile, which `make` makes. They are kept while others will ask for them.
-    fn of(&self, tile: (u32, u32), is_last: bool, make: impl FnOnce() -> Vec<Texel>) -> Texels {
+    /// The texels of a tile, by page and index, which `make` makes. They are kept while others will ask for them.
+    pub fn of(&self, tile: (u32, u32), is_last: bool, make: impl FnOnce() -> Vec<Texel>) -> Texels {
         let kept = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let found = kept().tiles.get(&tile).cloned();
         let texels = found.unwrap_or_else(|| Arc::new(make()));
@@ -46,31 +47,6 @@ impl Surveys {
             kept.texels += own;
         }
         texels
-    }
-}
-
-impl Baker<'_> {
-    /// The share of texels that are made anew wherever they are needed, 0..=1.
-    pub(crate) fn remade(&self) -> f64 {
-        let all = self.atlas.audit.texels.max(1) as f64;
-        1.0 - (MOST as f64 / all).min(1.0)
-    }
-
-    /// The texels of a tile, ready to be integrated.
-    pub(crate) fn texels(&self, raster: &PageRaster<'_>, page: u32, index: usize) -> Texels {
-        let gathers = [Choice::Bounces, Choice::Lights];
-        let gathers = gathers.iter().any(|&choice| self.plan.models(choice));
-        let is_last = !(gathers || self.is_pilot);
-        let make = || self.survey(raster, page, index);
-        self.surveys.of((page, index as u32), is_last, make)
-    }
-
-    /// The same, made anew.
-    pub(crate) fn survey(&self, raster: &PageRaster<'_>, page: u32, index: usize) -> Vec<Texel> {
-        let tile = self.cut(raster, index);
-        let (seed, size) = (self.options.seed, self.atlas.page_size);
-        let stream = |x, y, term| Stream::new(seed, page, y * size + x, term, 0);
-        self.surveyor().texels(&tile, stream)
     }
 }
 

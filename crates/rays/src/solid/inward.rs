@@ -102,11 +102,11 @@ impl Solids {
         }))
     }
 
-    /// Triangles of each mesh, ascending, whose normals point to the other side than the one that is lit, wherever they
-    /// are placed. Where a surface looks one way all over by its winding, as a sheet, a body or a room does, and most of
-    /// its normals agree, these are the triangles of which all three do not: the smooth normals of a coarse body lean
-    /// behind its steepest faces. Where most point the other way, those of bodies that look outward, are no rooms and
-    /// have none of these places in them.
+    /// Triangles of each mesh, ascending, whose normals point to the other side than the one that is lit, wherever
+    /// they are placed. Where a surface looks one way all over by its winding, as a sheet, a body or a room does, and
+    /// most of its normals agree, these are the triangles of which all three do not: the smooth normals of a coarse
+    /// body lean behind its steepest faces. Where most point the other way, those of bodies that look outward, are no
+    /// rooms and have none of these places in them.
     pub fn averse(&self, places: &[DVec3]) -> Vec<(u32, Vec<u32>)> {
         let mut leans: HashMap<u32, Vec<Lean>> = HashMap::new();
         for instance in &self.scene.instances {

@@ -7,8 +7,8 @@
 //! behind it.
 //!
 //! A hole is little where it cannot be meant to be looked through: a triangle that a side lacks, or what is next to
-//! nothing of the surface and of its shadow on the hole's plane. The mouth of a tunnel is all of that shadow. But what is
-//! long and narrow, with nothing in it and no hill about it, is a post.
+//! nothing of the surface and of its shadow on the hole's plane. The mouth of a tunnel is all of that shadow. But
+//! what is long and narrow, with nothing in it and no hill about it, is a post.
 
 use super::placed::{Placed, PlacedTree};
 use super::spread::{MIDDLE, corners_too, middles, parts};
