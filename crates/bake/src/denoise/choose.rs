@@ -26,6 +26,9 @@ pub(super) const FITS: &Fits = &[
     (32, [false, true]),
 ];
 
+/// Those of a page of which only the errors are asked for: these are as large but for some hundredths.
+pub(super) const ROUGH: &Fits = &[(2, [true, false]), (8, [true, false]), (32, [false, true])];
+
 /// Rows on each side of a texel that its value depends on: fewer than a window of the widest stride, which is two
 /// strides; 16 over which moves are averaged and 5 over which those of neighbours are pooled; and 5 from which strays
 /// ([`super::strays`]) are known.

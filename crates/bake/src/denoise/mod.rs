@@ -24,7 +24,7 @@ mod surface;
 use crate::seams::SeamPoint;
 use beyond::{Beyond, Borders};
 use charts::{Area, Band, Charts, Run, charts};
-use choose::{Chosen, FITS, Fits, choose};
+use choose::{Chosen, FITS, Fits, ROUGH, choose};
 use features::Features;
 pub(crate) use field::Field;
 use plane::{Sheet, TASK};
@@ -119,6 +119,14 @@ impl<'a> Denoiser<'a> {
             charts,
             fits: FITS,
             at_a_time: AT_A_TIME,
+        }
+    }
+
+    /// The same by fewer fits, for what only says how large errors are; charts go on in no others.
+    pub fn rough(field: &Field<'_>) -> Self {
+        Self {
+            fits: ROUGH,
+            ..Self::new(field, &[])
         }
     }
 

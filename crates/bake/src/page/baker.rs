@@ -2,6 +2,7 @@
 
 use super::finish::{Site, finish};
 use super::planes::{BakedPage, LayerPlanes};
+use super::spend::Spent;
 use super::stats::PageStats;
 use super::surveys::Surveys;
 use super::terms::working_layers;
@@ -41,8 +42,8 @@ pub struct Baker<'a> {
     pub(super) surveys: Arc<Surveys>,
     /// It only says how large errors are, by points of its own.
     pub(super) is_pilot: bool,
-    /// Rays of the texels of each tile, by page.
-    pub(super) spent: Vec<OnceLock<Vec<u32>>>,
+    /// How many rays tiles take, by page.
+    pub(super) spent: Vec<OnceLock<Spent>>,
     /// Texels finished so far, over all pages.
     done: AtomicU64,
 }
@@ -107,7 +108,7 @@ impl<'a> Baker<'a> {
             rasters: Rasters::default(),
             surveys: Arc::default(),
             is_pilot: false,
-            spent: vec![OnceLock::new(); atlas.page_count as usize],
+            spent: (0..atlas.page_count).map(|_| OnceLock::new()).collect(),
             done: AtomicU64::new(0),
         }
     }
@@ -240,18 +241,16 @@ impl<'a> Baker<'a> {
     ) -> Result<bool, E> {
         progress.phase("baking");
         let columns = Columns::of(&self.layers());
-        let rays = match wanted.is_empty() {
-            true => &[][..],
-            false => self.rays(page),
-        };
+        let spent = (!wanted.is_empty()).then(|| self.spent(page));
         let taking = Mutex::new((take, Ok(())));
         let tile = |&index: &u32| {
             if progress.cancelled() {
                 return None;
             }
-            let texels = self.texels(raster, page, index as usize);
-            let tile = self.tile(texels, page, rays[index as usize]);
-            let result = self.result(index, &columns, &tile);
+            let result = spent?.tile(index).unwrap_or_else(|rays| {
+                let texels = self.texels(raster, page, index as usize);
+                self.result(index, &columns, &self.tile(texels, page, rays))
+            });
             let own = result.stats.texels;
             let done = self.done.fetch_add(own, Ordering::Relaxed) + own;
             progress.rays(result.stats.rays);

@@ -59,22 +59,16 @@ pub(crate) fn finish_light(page: &mut BakedPage, site: &Site<'_>) {
     page.finished = true;
 }
 
-/// Brings the terms of a page that has all its tiles to what they are after denoising, without more.
-pub(super) fn settle(page: &mut BakedPage, site: &Site<'_>) {
-    let Site {
-        world,
-        plan,
-        atlas,
-        options,
-        mends,
-        across,
-        ..
-    } = *site;
-    if options.denoise == Denoise::Off {
-        return;
+/// Brings these terms of texels that can be seen, on a page that has all its tiles, to about what they are after
+/// denoising, without more.
+pub(super) fn settle(page: &mut BakedPage, site: &Site<'_>, values: &[Layer]) {
+    let Site { plan, options, .. } = *site;
+    if options.denoise == Denoise::Regression {
+        let mut terms = terms(options, plan);
+        terms.retain(|term| values.contains(&term.value));
+        let denoisers = [Denoiser::rough(&field(page))];
+        denoise_by(page, &terms, options, (&denoisers, None));
     }
-    let seams = Seams::find(world, atlas, page.page, crate::options::Seams::Off, across);
-    denoise_terms(page, &terms(options, plan), options, mends, &seams);
 }
 
 /// Mends, denoises, solves seams and fills gutters.
@@ -217,7 +211,6 @@ fn denoise_terms(
     seams: &Seams,
 ) {
     let unseen = mends.then(|| Mends::of_unseen(&surface(page)));
-    let texels = page.texels();
     let hidden = hidden(page);
     let denoisers: Vec<Denoiser<'_>> = match options.denoise {
         Denoise::Regression => {
@@ -232,6 +225,18 @@ fn denoise_terms(
         }
         _ => Vec::new(),
     };
+    denoise_by(page, terms, options, (&denoisers, unseen.as_ref()));
+}
+
+/// Denoises the terms by these, the first of which is for what can be seen, or by Open Image Denoise where there is
+/// none. Those of which nothing can be seen are carried on from the others then.
+fn denoise_by(
+    page: &mut BakedPage,
+    terms: &[TermLayers],
+    options: &Options,
+    (denoisers, unseen): (&[Denoiser<'_>], Option<&Mends>),
+) {
+    let texels = page.texels();
     if !denoisers.is_empty() {
         drop_unasked(page, options, is_place);
     }
@@ -258,7 +263,7 @@ fn denoise_terms(
             is_smooth: matches!(value, Layer::Diffuse | Layer::Visibility),
             crosses: !matches!(value, Layer::Specular | Layer::Reflection),
         };
-        let found = match &denoisers[..] {
+        let found = match denoisers {
             [] => oidn::denoise(&field(page), &planes),
             [seen, apart @ ..] => {
                 let mut found = seen.denoise(&planes);
@@ -273,7 +278,7 @@ fn denoise_terms(
                 .iter()
                 .for_each(|part| part.set_values(channel, plane));
         }
-        if let Some(unseen) = &unseen {
+        if let Some(unseen) = unseen {
             let most = if is_light(value) { f64::MAX } else { 1.0 };
             let planes = values.par_chunks_mut(texels);
             planes.for_each(|plane| drop(unseen.apply(plane, 0.0, most)));
@@ -281,7 +286,7 @@ fn denoise_terms(
         let errors = page.planes_of(std_err);
         found.iter().for_each(|part| part.set_errors(errors));
     }
-    directional::denoise(page, denoisers.first(), unseen.as_ref(), field);
+    directional::denoise(page, denoisers.first(), unseen, field);
     drop_unasked(page, options, |layer| {
         layer.is_of_halves() || layer == Layer::Sealed
     });

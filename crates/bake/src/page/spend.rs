@@ -8,32 +8,33 @@
 //! surface. Numbers are powers of two, which are the best numbers of points, or three quarters of them, which are
 //! nearly as good. Where these are many, a part of them is tried first, from which it is a shorter way to all. The
 //! rays of pilots are thrown away: a value that had a part in the choice of its rays would be biased. The texels that
-//! they found are kept.
+//! they found are kept. But where the first pilot's rays are enough for all of the page, it is the page.
 
 use super::baker::Baker;
-use super::compose::{is_composed, is_light};
+use super::directional::holds as is_directional;
 use super::finish::settle;
 use super::planes::BakedPage;
+use super::tile::BakedTile;
 use crate::choice::Choice;
-use crate::options::{Bounces, Denoise, Effort, Options};
+use crate::options::{Bounces, Denoise, Effort, Options, Seams};
 use atlas::TILE;
 use layers::Layer;
 use std::convert::Infallible;
 
 /// Rays of the first pilot, and the fewest of a tile.
-const PILOT: u32 = 8;
-const LEAST: u32 = 4;
+const PILOT: u32 = 4;
 
-/// The second pilot takes one in so many of the rays that the first one asks for, where that is more than the first
-/// took. Fewer rays than that are not worth the surfaces of all texels a third time.
+/// The second pilot takes one in so many of the rays that the first one asks for, where that is more than so many.
+/// Fewer are not worth what texels cost beside their rays.
 const PART: u32 = 32;
+const WORTH: f64 = 8.0;
 
 /// What a pilot says of so few texels counts half of what it says of them and those about them: among a handful there
 /// may be none whose rays differ.
 const FEW: f64 = 16.0;
 
 /// How errors fall with the number of rays, after denoising and without: like its power of minus this.
-const DENOISED: f64 = 0.5;
+const DENOISED: f64 = 0.55;
 const PLAIN: f64 = 0.7;
 
 /// Steps of the scale of all numbers that are tried, for each doubling.
@@ -54,19 +55,46 @@ struct Found {
     squares: f64,
 }
 
+/// How many rays the tiles of a page take.
+#[derive(Default)]
+pub(super) struct Spent {
+    /// Those that each texel of a tile takes over the hemisphere, tile by tile.
+    rays: Vec<u32>,
+    /// The tiles of the pilot, where its rays are enough.
+    pilot: Vec<BakedTile>,
+}
+
+impl Spent {
+    /// A tile that is baked, or the rays that its texels take.
+    pub fn tile(&self, index: u32) -> Result<BakedTile, u32> {
+        let known = self.pilot.get(index as usize);
+        known.cloned().ok_or_else(|| self.rays[index as usize])
+    }
+}
+
+impl From<Vec<u32>> for Spent {
+    fn from(rays: Vec<u32>) -> Self {
+        let pilot = Vec::new();
+        Self { rays, pilot }
+    }
+}
+
 impl Baker<'_> {
     /// The rays that each texel of a tile takes over the hemisphere, tile by tile. Where a target is set, they are
     /// found by a few rays of every texel.
     pub fn rays(&self, page: u32) -> &[u32] {
+        &self.spent(page).rays
+    }
+
+    pub(super) fn spent(&self, page: u32) -> &Spent {
         self.spent[page as usize].get_or_init(|| spend(self, page))
     }
 }
 
-/// The rays of the texels of each tile of a page, over the hemisphere.
-fn spend(baker: &Baker<'_>, page: u32) -> Vec<u32> {
+fn spend(baker: &Baker<'_>, page: u32) -> Spent {
     let tiles = baker.raster(page).tiles().len();
     match baker.options.effort {
-        Effort::Rays(rays) => vec![rays; tiles],
+        Effort::Rays(rays) => vec![rays; tiles].into(),
         Effort::Target {
             error,
             relative,
@@ -77,16 +105,20 @@ fn spend(baker: &Baker<'_>, page: u32) -> Vec<u32> {
                 Denoise::Regression => DENOISED,
                 _ => PLAIN,
             };
-            let found = target.pilot(baker, page, vec![PILOT; tiles]);
+            let (found, pilot) = target.pilot(baker, page, vec![PILOT; tiles]);
             let rays = allot(&found, falls, max_rays);
-            let part: Vec<u32> = (rays.iter())
-                .map(|rays| (round(f64::from(rays / PART)) as u32).max(LEAST))
-                .collect();
-            if mean(&found, &part) <= f64::from(PILOT) {
-                return rays;
+            if rays.iter().all(|&rays| rays == PILOT) {
+                return Spent { rays, pilot };
             }
-            let found = target.pilot(baker, page, part.clone());
-            allot(&carried(&found, &part, falls), falls, max_rays)
+            drop(pilot);
+            let part: Vec<u32> = (rays.iter())
+                .map(|rays| (round(f64::from(rays / PART)) as u32).max(PILOT))
+                .collect();
+            if mean(&found, &part) <= WORTH {
+                return rays.into();
+            }
+            let (found, _) = target.pilot(baker, page, part.clone());
+            allot(&carried(&found, &part, falls), falls, max_rays).into()
         }
     }
 }
@@ -115,7 +147,7 @@ fn allot(found: &[Found], falls: f64, most: u32) -> Vec<u32> {
         let error = (found.squares / found.texels.max(1.0)).sqrt();
         let scale = (f64::from(step) / f64::from(STEPS)).exp2();
         let even = pilot * scale * error.powf(1.0 / (1.0 + 2.0 * falls));
-        (round(even) as u32).clamp(LEAST.min(most), most)
+        (round(even) as u32).clamp(PILOT.min(most), most)
     };
     let texels: f64 = found.iter().map(|found| found.texels).sum();
     let excess = |step: i32| {
@@ -136,7 +168,7 @@ fn allot(found: &[Found], falls: f64, most: u32) -> Vec<u32> {
         .collect();
     seen.sort_unstable();
     // What nobody sees is not to look like noise either.
-    let unseen = seen.get(seen.len() / 2).copied().unwrap_or(LEAST.min(most));
+    let unseen = seen.get(seen.len() / 2).copied().unwrap_or(PILOT.min(most));
     let all = found.iter().map(|found| match found.texels > 0.0 {
         true => rays(found, step),
         false => unseen,
@@ -157,14 +189,30 @@ fn round(rays: f64) -> f64 {
 }
 
 impl Target {
-    /// What so many rays of the texels of each tile say of the tiles of a page.
-    fn pilot(&self, baker: &Baker<'_>, number: u32, rays: Vec<u32>) -> Vec<Found> {
+    /// What so many rays of the texels of each tile say of the tiles of a page, and the tiles by their index if they have
+    /// all that the page does.
+    fn pilot(
+        &self,
+        baker: &Baker<'_>,
+        number: u32,
+        rays: Vec<u32>,
+    ) -> (Vec<Found>, Vec<BakedTile>) {
         let options = pilot_options(baker);
         let pilot = baker.seeking(&options);
-        let _ = pilot.spent[number as usize].set(rays);
+        let _ = pilot.spent[number as usize].set(rays.into());
         let mut page = pilot.start(number);
-        let Ok(_) = pilot.fill(&mut page, &(), &mut |_| Ok::<_, Infallible>(()));
-        settle(&mut page, &pilot.site());
+        let is_whole = pilot.layers() == baker.layers();
+        let mut baked = Vec::new();
+        let Ok(_) = pilot.fill(&mut page, &(), &mut |tile| {
+            baked.extend(is_whole.then_some(tile));
+            Ok::<_, Infallible>(())
+        });
+        baked.sort_unstable_by_key(|tile| tile.index);
+        settle(
+            &mut page,
+            &pilot.site(),
+            &watched(baker).map(|(value, _)| value),
+        );
         let across = page.size.div_ceil(TILE);
         let mut grid = vec![Found::default(); (across * across) as usize];
         let errors = Errors::of(&page, baker, self);
@@ -181,7 +229,7 @@ impl Target {
             .tiles()
             .iter()
             .map(|&tile| beside(&grid, across, tile));
-        found.collect()
+        (found.collect(), baked)
     }
 }
 
@@ -207,27 +255,46 @@ fn beside(grid: &[Found], across: u32, tile: u32) -> Found {
 /// A bake of a few rays that only says how large errors are.
 fn pilot_options(baker: &Baker<'_>) -> Options {
     let options = baker.options;
-    let shown = |layer: &Layer| is_composed(*layer) || is_light(*layer);
-    let mut layers = vec![Layer::Coverage];
-    layers.extend(options.layers.iter().copied().filter(shown));
-    for (choice, layer) in [
-        (Choice::Diffuse, Layer::StdErrDiffuse),
-        (Choice::Specular, Layer::StdErrSpecular),
-    ] {
-        if baker.plan.models(choice) && !layers.contains(&layer) {
-            layers.push(layer);
+    // What no tile tells but at some cost.
+    let is_dear = |layer: &Layer| is_directional(*layer) || layer.is_any_view();
+    let mut layers = options.layers.clone();
+    layers.retain(|layer| !is_dear(layer));
+    let denoise = match options.denoise {
+        Denoise::Regression => Denoise::Regression,
+        _ => Denoise::Off,
+    };
+    // Later steps keep errors; without any, they are asked for.
+    if denoise == Denoise::Off && options.seams == Seams::Off {
+        for (choice, layer) in [
+            (Choice::Diffuse, Layer::StdErrDiffuse),
+            (Choice::Specular, Layer::StdErrSpecular),
+        ] {
+            if baker.plan.models(choice) && !layers.contains(&layer) {
+                layers.push(layer);
+            }
         }
     }
     Options {
         effort: Effort::Rays(PILOT),
         bounces: Bounces::Off,
         lights: Vec::new(),
-        denoise: match options.denoise {
-            Denoise::Regression => Denoise::Regression,
-            _ => Denoise::Off,
-        },
+        denoise,
         layers,
         ..options.clone()
+    }
+}
+
+/// The terms that a target is about, with their standard errors.
+fn watched(baker: &Baker<'_>) -> [(Layer, Layer); 2] {
+    match baker.options.sky.map() {
+        None => [
+            (Layer::Diffuse, Layer::StdErrDiffuse),
+            (Layer::Specular, Layer::StdErrSpecular),
+        ],
+        Some(_) => [
+            (Layer::Irradiance, Layer::StdErrIrradiance),
+            (Layer::Reflection, Layer::StdErrReflection),
+        ],
     }
 }
 
@@ -251,23 +318,11 @@ struct Errors<'a> {
 impl<'a> Errors<'a> {
     fn of(page: &'a BakedPage, baker: &Baker<'_>, target: &'a Target) -> Self {
         let options = baker.options;
-        let (terms, unit) = match options.sky.map() {
-            None => (
-                [
-                    (Layer::Diffuse, Layer::StdErrDiffuse),
-                    (Layer::Specular, Layer::StdErrSpecular),
-                ],
-                1.0,
-            ),
-            Some(_) => (
-                [
-                    (Layer::Irradiance, Layer::StdErrIrradiance),
-                    (Layer::Reflection, Layer::StdErrReflection),
-                ],
-                options.sky.brightness(),
-            ),
+        let unit = match options.sky.map() {
+            None => 1.0,
+            Some(_) => options.sky.brightness(),
         };
-        let watched = terms.into_iter().filter_map(|(term, std_err)| {
+        let terms = watched(baker).into_iter().filter_map(|(term, std_err)| {
             let weights = match term {
                 Layer::Specular | Layer::Reflection if !options.full_highlights => {
                     Some(page.layer(Layer::Reflectance)?)
@@ -284,7 +339,7 @@ impl<'a> Errors<'a> {
         Self {
             coverage: page.layer(Layer::Coverage),
             validity: page.layer(Layer::Validity),
-            terms: watched.collect(),
+            terms: terms.collect(),
             target,
             texels: page.texels(),
         }
@@ -330,16 +385,17 @@ mod tests {
         let good = |rays: &u32| rays.is_power_of_two() || (rays / 3).is_power_of_two();
         assert!(rays.iter().all(good), "{rays:?}");
         assert_eq!(rays[1], 4 * rays[0], "a half of the power of 1");
-        let left = |found: &Found, &rays: &u32| found.squares * 8.0 / f64::from(rays);
+        let pilot = f64::from(PILOT);
+        let left = |found: &Found, &rays: &u32| found.squares * pilot / f64::from(rays);
         let left: f64 = found.iter().zip(&rays).map(|(f, r)| left(f, r)).sum();
         // A step of rounding more rays than needed, at most.
         assert!((0.4..=1.0).contains(&(left / 1280.0)), "{rays:?}: {left}");
-        assert_eq!(allot(&found, 0.5, 64)[1], 64);
-        assert_eq!(allot(&[of(0.0)], 0.5, 64), [LEAST]);
+        assert_eq!(allot(&found, 0.5, 16)[1], 16);
+        assert_eq!(allot(&[of(0.0)], 0.5, 64), [PILOT]);
         // A tile that nobody sees takes what most do.
         let unseen = allot(&[Found::default(), of(4.0), of(0.25), of(4.0)], 0.5, 16_384);
         assert_eq!(unseen[0], unseen[1]);
-        assert_eq!(allot(&[Found::default()], 0.5, 64), [LEAST]);
+        assert_eq!(allot(&[Found::default()], 0.5, 64), [PILOT]);
         // What other numbers of rays tell is the same once it is carried back.
         let many = [2, 32].map(|more| PILOT * more);
         let told = many.map(|rays| Found {
@@ -368,5 +424,47 @@ mod tests {
         assert!((0.8..0.95).contains(&error(4)), "{}", error(4));
         assert!((0.99..=1.0).contains(&error(0)), "{}", error(0));
         assert!(error(8) < 0.2, "{}", error(8));
+    }
+
+    #[test]
+    fn a_pilot_that_is_enough_is_the_page() {
+        let file = concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../../scenes/resting_sphere.obj"
+        );
+        let scene = std::sync::Arc::new(scene::load(file.as_ref()).expect("a scene"));
+        let of = |effort: Effort| Options {
+            effort,
+            ..Options::default()
+        };
+        let to = |error: f64| {
+            of(Effort::Target {
+                error,
+                relative: 0.0,
+                max_rays: 1024,
+            })
+        };
+        let (plan, world) = crate::Plan::of(&scene, &to(1.0)).expect("a plan");
+        let layout = atlas::Options {
+            page_size: 128,
+            ..Default::default()
+        };
+        let atlas = atlas::layout(&scene, &layout, &|| false).expect("a layout");
+        let kind = rays::BackendKind::Obvhs(rays::Layout::default());
+        let backend = rays::build(kind, &world, 0).expect("a backend");
+        let page = |options: &Options, seeks: bool| {
+            let baker = Baker::new(&world, &plan, backend.as_ref(), &atlas, options);
+            let pilot = seeks.then(|| baker.seeking(options));
+            let mut page = baker.start(0);
+            pilot.as_ref().unwrap_or(&baker).run(&mut page, &());
+            page
+        };
+        let easy = page(&to(1.0), false);
+        let pilot = page(&of(Effort::Rays(PILOT)), true);
+        assert!(easy.planes == pilot.planes && easy.stats.rays == pilot.stats.rays);
+        // One that asks for more takes none of the pilot's rays.
+        let hard = page(&to(0.004), false);
+        assert!(hard.stats.rays > 2 * easy.stats.rays);
+        assert!(hard.stats.errors.squares < 0.5 * easy.stats.errors.squares);
     }
 }
