@@ -9,7 +9,7 @@
 use super::opening::{Opening, caps, openings};
 use glam::{DVec3, Vec3};
 use scene::{Scene, Sets};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// Volumes below this share of the box's are those of a folded sheet, which has no inside.
 const LEAST_VOLUME: f64 = 1e-6;
@@ -111,6 +111,51 @@ fn edges_of(welded: &[[u32; 3]]) -> Vec<Edge> {
     edges
 }
 
+/// Where some faces stand more than once in a file: the first of those that have the corners of each and run the same
+/// way round, itself mostly. Two bodies that share a face are closed by both, so copies that hang together and without
+/// which an edge would be at a border stand for themselves.
+fn originals(welded: &[[u32; 3]], edges: &[Edge]) -> Option<Vec<u32>> {
+    let runs = || edges.chunk_by(|a, b| a.0 == b.0);
+    let sum = |ways: &mut dyn Iterator<Item = &Edge>| -> i32 {
+        ways.map(|edge| if edge.1 & 1 == 1 { 1 } else { -1 }).sum()
+    };
+    // Two of which run the same way.
+    let is_alike = |run: &[Edge]| run.len() > 2 || run.len() == 2 && sum(&mut run.iter()) != 0;
+    if !runs().any(is_alike) {
+        return None;
+    }
+    let mut known: HashMap<[u32; 3], u32, Quick> = HashMap::default();
+    let of = |(&[a, b, c], index): (&[u32; 3], u32)| {
+        let least = [[b, c, a], [c, a, b]].into_iter().fold([a, b, c], Ord::min);
+        *known.entry(least).or_insert(index)
+    };
+    let mut originals: Vec<u32> = welded.iter().zip(0..).map(of).collect();
+    let face = |edge: &Edge| edge.1 >> 1;
+    let is_copy = |edge: &&Edge| originals[face(edge) as usize] != face(edge);
+    let mut groups = Sets::new(welded.len());
+    let mut needed = Vec::new();
+    for run in runs() {
+        let mut copies = run.iter().filter(is_copy).map(face);
+        let Some(first) = copies.next() else {
+            continue;
+        };
+        copies.for_each(|copy| groups.join(first, copy));
+        let left = sum(&mut run.iter().filter(|edge| !is_copy(edge)));
+        if sum(&mut run.iter()) == 0 && left != 0 {
+            needed.push(first);
+        }
+    }
+    let needed: HashSet<u32> = needed.into_iter().map(|face| groups.root(face)).collect();
+    let mut has_copies = false;
+    for (original, face) in originals.iter_mut().zip(0..) {
+        if needed.contains(&groups.root(face)) {
+            *original = face;
+        }
+        has_copies |= *original != face;
+    }
+    has_copies.then_some(originals)
+}
+
 /// Which faces run the other way round than most of the area of their closed body; those of others do not. A body here
 /// is what hangs together over edges of two faces, where it runs through each of its edges as often either way once
 /// these are turned.
@@ -189,15 +234,25 @@ pub(super) fn surfaces(scene: &Scene, faces: &[Face]) -> Vec<Surface> {
     let mut faces = faces.to_vec();
     let mut welded = weld(scene, &faces);
     let mut edges = edges_of(&welded);
+    let originals = originals(&welded, &edges);
+    // Copies bound nothing that their originals do not.
+    let drop_copies = |edges: &mut Vec<Edge>| {
+        if let Some(originals) = &originals {
+            edges.retain(|edge| originals[(edge.1 >> 1) as usize] == edge.1 >> 1);
+        }
+    };
+    drop_copies(&mut edges);
     let against = against(scene, &faces, &edges);
     if against.contains(&true) {
-        for ((face, corners), is_against) in faces.iter_mut().zip(&mut welded).zip(against) {
-            if is_against {
+        let original = |face: usize| originals.as_ref().map_or(face, |of| of[face] as usize);
+        for (index, (face, corners)) in faces.iter_mut().zip(&mut welded).enumerate() {
+            if against[original(index)] {
                 face.turned ^= true;
                 corners.swap(1, 2);
             }
         }
         edges = edges_of(&welded);
+        drop_copies(&mut edges);
     }
     let faces = &faces[..];
     let mut sets = Sets::new(faces.len());
@@ -224,6 +279,9 @@ pub(super) fn surfaces(scene: &Scene, faces: &[Face]) -> Vec<Surface> {
         for edge in &run[1..] {
             sets.join(first, edge.1 >> 1);
         }
+    }
+    for (original, copy) in originals.into_iter().flatten().zip(0..) {
+        sets.join(original, copy);
     }
     let mut open = vec![false; faces.len()];
     for face in borders {

@@ -64,6 +64,35 @@ fn a_body_with_some_faces_turned_is_a_solid_and_an_open_or_one_sided_one_stays()
 }
 
 #[test]
+fn faces_that_a_file_holds_twice_are_lit_as_the_first_are() {
+    let twice = |mesh: &Mesh, copies: &[usize]| {
+        let mut mesh = mesh.clone();
+        let copies = copies.iter().map(|&triangle| mesh.triangles[triangle]);
+        mesh.triangles.extend(copies.collect::<Vec<_>>());
+        mesh
+    };
+    let every: Vec<usize> = (0..12).collect();
+    // A sheet, and a body without one triangle: their borders run along the edges of both copies.
+    assert!(backs(vec![twice(&level(0.0, 1.0), &[0, 1]), unit(false)], &[]).is_empty());
+    let mut open = unit(false);
+    open.triangles.pop();
+    for copies in [&every[..11], &[10], &[0, 3]] {
+        assert!(
+            backs(vec![twice(&open, copies), sheet()], &[]).is_empty(),
+            "{copies:?}"
+        );
+        // A copy of what is turned is turned.
+        let of_turned = backs(vec![twice(&block_but(false, &[0]), copies), sheet()], &[]);
+        let copy = copies
+            .iter()
+            .position(|&of| of == 0)
+            .map(|at| 12 + at as u32);
+        let turned: Vec<u32> = [0].into_iter().chain(copy).collect();
+        assert_eq!(of_turned, turned, "{copies:?}");
+    }
+}
+
+#[test]
 fn a_body_that_looks_inward_is_no_room_where_more_stands_on_it_than_in_it() {
     let hidden = || block(Vec3::new(0.0, -0.4, 0.0), Vec3::splat(0.3), false);
     let house = |half: f32| block(Vec3::Y * (1.0 + half), Vec3::splat(half), false);
