@@ -16,12 +16,16 @@ mod far;
 mod fuzz;
 #[path = "files/gltf.rs"]
 mod gltf;
+#[path = "files/gltf_materials.rs"]
+mod gltf_materials;
 #[path = "files/lights.rs"]
 mod lights;
 #[path = "files/memory.rs"]
 mod memory;
 #[path = "files/obj.rs"]
 mod obj;
+#[path = "files/obj_materials.rs"]
+mod obj_materials;
 #[path = "files/strangers.rs"]
 mod strangers;
 #[path = "files/support.rs"]
