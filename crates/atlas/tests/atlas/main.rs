@@ -11,6 +11,7 @@ mod footprints;
 mod gutters;
 mod layouts;
 mod models;
+mod page_counts;
 mod reused;
 mod scenes;
 mod spoilt;
