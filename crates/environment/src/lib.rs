@@ -43,8 +43,8 @@ pub use convert::{Layout, convert, convert_image};
 pub use error::Error;
 #[cfg(feature = "files")]
 pub use file::{
-    FACES, Format, ImageFile, Labels, Planes, SkyFile, contents, encode, encode_with, exr_planes,
-    read, read_sky, read_unchecked, recorded,
+    ExrSource, FACES, Format, ImageFile, Labels, Planes, SkyFile, contents, encode, encode_with,
+    exr_chunks, exr_planes, read, read_sky, read_unchecked, recorded,
 };
 pub use image::Image;
 pub use map::IlluminationMap;

@@ -46,7 +46,8 @@ pub fn read_page_exr(path: &Path) -> Result<PageFile, Error> {
             "{e}; the file is damaged or not an EXR page, bake again"
         ))
     };
-    let chunks = exr::block::read(BufReader::new(file), false).map_err(broken)?;
+    let mut file = BufReader::new(file);
+    let chunks = environment::exr_chunks(&mut file).map_err(broken)?;
     let [header] = chunks.headers() else {
         return Err(fail(format!(
             "it has {} parts; a page has one",

@@ -66,6 +66,8 @@ pub use input::kept_name;
 pub use load::{load, load_with};
 pub use material::{MAX_EXPONENT, phong_from_metallic_roughness, phong_from_specular_glossiness};
 pub use normal_map::{NormalMap, Packed, PackedImage};
+#[cfg(feature = "files")]
+pub use packed::picture;
 pub use sets::Sets;
 pub use types::*;
 pub use warning::{Warning, WarningKind};

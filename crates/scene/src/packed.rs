@@ -1,4 +1,4 @@
-//! Decodes what normal maps keep of their files.
+//! Decodes what normal maps keep of their files, and pictures for whoever writes files of a scene.
 
 use crate::image::{Budget, Failure, TOO_LARGE, decode};
 use crate::input::short;
@@ -33,6 +33,18 @@ pub(crate) fn decoded(packed: &PackedImage, bytes: &[u8]) -> Result<Image, Error
     })?;
     Ok(Image {
         name: packed.name.clone(),
+        width: pixels.width,
+        height: pixels.height,
+        pixels: pixels.pixels,
+    })
+}
+
+/// The picture in the bytes of a PNG, JPEG, WebP or BMP file; `None` for any other, for a broken one, and for one that
+/// takes more than 1 GiB.
+pub fn picture(bytes: &[u8]) -> Option<Image> {
+    let pixels = decode(bytes, "").ok()?;
+    Some(Image {
+        name: String::new(),
         width: pixels.width,
         height: pixels.height,
         pixels: pixels.pixels,

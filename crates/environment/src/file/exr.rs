@@ -18,7 +18,8 @@ const MAX_RATIO: usize = 1032;
 /// The first part of an `.exr` file: its channels R, G and B, or Y.
 pub(super) fn decode(bytes: &[u8]) -> Result<ImageFile, Reason> {
     let damaged = |e: exr::error::Error| format!("{e}; the file is damaged, export it again");
-    let chunks = exr::block::read(Cursor::new(bytes), false).map_err(damaged)?;
+    let mut source = Cursor::new(bytes);
+    let chunks = exr_chunks(&mut source).map_err(damaged)?;
     let Some(header) = chunks.headers().first() else {
         return Err("it holds no picture".into());
     };
@@ -68,11 +69,24 @@ pub(super) fn decode(bytes: &[u8]) -> Result<ImageFile, Reason> {
 /// Channels of an `.exr` file with their names, in the file's order.
 pub type Planes = Vec<(String, Vec<f32>)>;
 
+/// What an `.exr` file is read from. A reader for each kind of source would be the same code once more.
+pub trait ExrSource: Read + Seek {}
+
+impl<R: Read + Seek> ExrSource for R {}
+
+/// The headers of an `.exr` file, and what reads the rest.
+///
+/// # Errors
+/// The file is damaged, or none.
+pub fn exr_chunks(source: &mut dyn ExrSource) -> exr::error::Result<Reader<&mut dyn ExrSource>> {
+    exr::block::read(source, false)
+}
+
 /// The channels of the first part of an `.exr` file as floats, and its text attributes.
 ///
 /// # Errors
 /// The file is damaged.
-pub fn exr_planes<R: Read + Seek>(chunks: Reader<R>) -> exr::error::Result<(Planes, Labels)> {
+pub fn exr_planes(chunks: Reader<&mut dyn ExrSource>) -> exr::error::Result<(Planes, Labels)> {
     let file = read()
         .no_deep_data()
         .largest_resolution_level()

@@ -9,7 +9,7 @@ mod painted;
 mod picture;
 mod sky;
 
-pub use exr::{Planes, exr_planes};
+pub use exr::{ExrSource, Planes, exr_chunks, exr_planes};
 pub use faces::FACES;
 pub use image_file::{ImageFile, Labels};
 pub use picture::{Format, contents, encode, encode_with, read, read_unchecked, recorded};

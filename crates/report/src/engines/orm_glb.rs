@@ -148,7 +148,9 @@ fn picture(document: &GltfDocument, texture: usize) -> Option<RgbImage> {
     let number = |key: &str| view[key].as_u64().map(|n| n as usize);
     let from = number("byteOffset").unwrap_or(0);
     let bytes = document.buffers[0].get(from..from.checked_add(number("byteLength")?)?)?;
-    Some(image::load_from_memory(bytes).ok()?.into_rgb8())
+    let read = scene::picture(bytes)?;
+    let values = read.pixels.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]);
+    RgbImage::from_raw(read.width, read.height, values.collect())
 }
 
 /// Appends to a top-level array and returns the index.
