@@ -87,7 +87,7 @@ pub enum Verb {
     /// next save
     Watch(bake::args::Watch),
     /// The atlas alone: the layout that a bake of this scene makes, to look at and for the shards of a bake
-    Layout(bake::args::Layout),
+    Layout(bake::args::LayoutArgs),
     /// The parts of `bake --shard I/N` into the files of a whole bake, and those of `probes`
     Merge(bake::args::Merge),
     /// Traditional against Lambert against Phong from a finished bake, or any two EXR pages

@@ -82,7 +82,7 @@ impl Runs {
 }
 
 #[derive(ClapArgs)]
-pub struct Layout {
+pub struct LayoutArgs {
     /// Scene file: .obj, .gltf or .glb
     pub scene: PathBuf,
     #[command(flatten)]

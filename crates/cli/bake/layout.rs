@@ -1,6 +1,6 @@
 //! `ambake layout`: the atlas alone.
 
-use super::args::Layout as Args;
+use super::args::LayoutArgs as Args;
 use crate::args::{Verb, words};
 use crate::outcome::{Outcome, say, say_json};
 use crate::progress::{count, square};

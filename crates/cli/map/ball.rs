@@ -5,7 +5,7 @@ use super::file;
 use crate::host;
 use crate::outcome::{say, say_json};
 use anyhow::{Context, bail};
-use environment::{Image, Layout, Orientation};
+use environment::{Image, MapLayout, Orientation};
 use maps::Gains;
 use maps::ball::{self, Circle, Found, Optics, Photo};
 use serde_json::json;
@@ -62,7 +62,7 @@ pub fn run(args: &Ball) -> anyhow::Result<()> {
         }
     };
     let unwrapped = ball::unwrap(&photos, args.to, size, args.reflectance)?;
-    let layout = Layout {
+    let layout = MapLayout {
         projection: args.to,
         orientation: Orientation::Ambake,
         size,

@@ -10,7 +10,7 @@ use crate::stop::Stop;
 use ::render::{Direct, Error, Lamps, Light, PointForm, add_points, capture};
 use ambake::flags::common::points;
 use anyhow::bail;
-use environment::{Format, Layout, Orientation};
+use environment::{Format, MapLayout, Orientation};
 use glam::DVec3;
 use rays::Surfaces;
 use scene::Scene;
@@ -68,7 +68,7 @@ pub fn run(args: &Capture) -> anyhow::Result<Outcome> {
         PointForm::Raw => "radiance, but point lights raw",
     };
     let map = add_points(map, &direct, at, args.point_source)?;
-    let layout = Layout {
+    let layout = MapLayout {
         projection: args.to,
         orientation: Orientation::Ambake,
         size,

@@ -4,7 +4,7 @@ use super::args::Convert;
 use super::file::{Source, Target, picture_size, summary, write};
 use crate::host;
 use anyhow::Context;
-use environment::Layout;
+use environment::MapLayout;
 
 /// Runs the sub-verb.
 pub fn run(args: &Convert) -> anyhow::Result<()> {
@@ -14,7 +14,7 @@ pub fn run(args: &Convert) -> anyhow::Result<()> {
         Some(size) => picture_size(args.to, size),
         None => args.to.size(source.texels()),
     };
-    let to = Layout {
+    let to = MapLayout {
         projection: args.to,
         orientation: args.orientation,
         size,

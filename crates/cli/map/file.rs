@@ -3,7 +3,7 @@
 use super::args::{Common, Input};
 use crate::outcome::{say, say_json};
 use anyhow::{Context, bail};
-use environment::{FACES, Format, Image, ImageFile, Labels, Layout, Orientation, Projection};
+use environment::{FACES, Format, Image, ImageFile, Labels, MapLayout, Orientation, Projection};
 use report::Output;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 /// A map that was read.
 pub struct Source {
     pub image: Image,
-    pub layout: Layout,
+    pub layout: MapLayout,
     /// What the header says about its values.
     pub normalisation: Option<String>,
     /// Every picture that was read for it.
@@ -139,7 +139,7 @@ pub struct Target<'a> {
 pub fn write(
     target: &Target,
     images: &[(Option<String>, &Image)],
-    layout: Layout,
+    layout: MapLayout,
     normalisation: &str,
 ) -> anyhow::Result<Vec<PathBuf>> {
     let planes: Vec<_> = images
@@ -154,7 +154,7 @@ pub fn write_with_confidence(
     target: &Target,
     image: &Image,
     confidence: &[f32],
-    layout: Layout,
+    layout: MapLayout,
     normalisation: &str,
 ) -> anyhow::Result<Vec<PathBuf>> {
     write_planes(
@@ -171,7 +171,7 @@ type Planes<'a> = (Option<&'a str>, &'a Image, Option<&'a [f32]>);
 fn write_planes(
     target: &Target,
     images: &[Planes],
-    layout: Layout,
+    layout: MapLayout,
     normalisation: &str,
 ) -> anyhow::Result<Vec<PathBuf>> {
     let path = target.path;
@@ -216,7 +216,7 @@ fn write_planes(
 }
 
 /// What the header says.
-fn labels(layout: Layout, normalisation: &str) -> Labels {
+fn labels(layout: MapLayout, normalisation: &str) -> Labels {
     let axes = match layout.projection {
         Projection::Polar => {
             "row 0 looks up +y; u = atan2(x, z) with +z in the middle column, growing toward +x to the right"

@@ -4,7 +4,7 @@ use super::args::{GainsName, Mosaic};
 use super::file::{self, Target, picture_size};
 use crate::host;
 use crate::outcome::{say, say_json};
-use environment::{Layout, Orientation, Projection};
+use environment::{MapLayout, Orientation, Projection};
 use serde_json::json;
 
 /// Runs the sub-verb.
@@ -16,12 +16,12 @@ pub fn run(args: &Mosaic) -> anyhow::Result<()> {
     let photos = [px?, nx?, py?, ny?, pz?, nz?];
     let equal = args.gains == GainsName::Auto;
     let found = maps::mosaic(&photos, args.fov_deg.to_radians(), equal)?;
-    let cube = Layout {
+    let cube = MapLayout {
         projection: Projection::Cube,
         orientation: Orientation::Ambake,
         size: (found.image.width, found.image.height),
     };
-    let layout = Layout {
+    let layout = MapLayout {
         projection: args.to,
         size: match args.size {
             Some(size) => picture_size(args.to, size),

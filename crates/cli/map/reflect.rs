@@ -6,7 +6,7 @@ use crate::common::parsed;
 use crate::host;
 use ambake::flags::values::Words;
 use anyhow::{Context, bail};
-use environment::{IlluminationMap, Layout, Orientation, Projection};
+use environment::{IlluminationMap, MapLayout, Orientation, Projection};
 use maps::{Lobe, Normalise, Reflectance, ReflectionMap, Request};
 use std::path::Path;
 
@@ -134,7 +134,7 @@ fn reflect(
     let source = Source::read(input)?;
     let named = || input.input.display().to_string();
     // Reflection maps are written in ambake's own axes.
-    let own = Layout {
+    let own = MapLayout {
         orientation: Orientation::Ambake,
         ..source.layout
     };
@@ -148,7 +148,7 @@ fn reflect(
         .iter()
         .map(|(suffix, map)| (suffix.clone(), map.image()))
         .collect();
-    let to = Layout {
+    let to = MapLayout {
         projection,
         orientation: Orientation::Ambake,
         size,

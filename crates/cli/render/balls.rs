@@ -5,7 +5,7 @@ use super::ball_args::Place;
 use ::render::{Ball, Shows};
 use ambake::Backend;
 use ambake::{Bounces, Places, ProbeOptions, ProbeVolume, Probes};
-use environment::{IlluminationMap, Layout, Orientation, convert_image};
+use environment::{IlluminationMap, MapLayout, Orientation, convert_image};
 use glam::DVec3;
 use rays::World;
 use std::path::Path;
@@ -59,7 +59,7 @@ fn lights(args: &Args, world: &World) -> anyhow::Result<Vec<Vec<DVec3>>> {
 fn reflection(path: &Path) -> anyhow::Result<IlluminationMap> {
     let file = environment::read(path)?;
     let from = file.layout(path, None, None)?;
-    let to = Layout {
+    let to = MapLayout {
         orientation: Orientation::Ambake,
         ..from
     };

@@ -10,7 +10,7 @@ use crate::{Error, IlluminationMap, Image, Orientation, Projection};
 
 /// A layout of the sphere as one tool has it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Layout {
+pub struct MapLayout {
     /// How directions are laid out.
     pub projection: Projection,
     /// Whose axes.
@@ -39,7 +39,7 @@ pub fn convert(
     projection: Projection,
     size: (usize, usize),
 ) -> Result<IlluminationMap, Error> {
-    let layout = |projection, size| Layout {
+    let layout = |projection, size| MapLayout {
         projection,
         orientation: Orientation::Ambake,
         size,
@@ -52,10 +52,10 @@ pub fn convert(
 /// A tool's picture as another tool's: see [`convert`].
 ///
 /// ```
-/// use ambake_environment::{Image, Layout, Orientation, Projection, convert_image};
+/// use ambake_environment::{Image, MapLayout, Orientation, Projection, convert_image};
 /// // glTF viewers have +x in the middle of a polar picture, ambake has +z there.
-/// let from = Layout { projection: Projection::Polar, orientation: Orientation::Gltf, size: (8, 4) };
-/// let to = Layout { orientation: Orientation::Ambake, ..from };
+/// let from = MapLayout { projection: Projection::Polar, orientation: Orientation::Gltf, size: (8, 4) };
+/// let to = MapLayout { orientation: Orientation::Ambake, ..from };
 /// let picture = Image::filled(8, 4, [1.0, 2.0, 3.0]);
 /// assert_eq!(convert_image(&picture, from, to)?.at(3, 1), [1.0, 2.0, 3.0]);
 /// # Ok::<(), ambake_environment::Error>(())
@@ -63,7 +63,7 @@ pub fn convert(
 ///
 /// # Errors
 /// [`Error::Shape`] for a size that does not fit its projection, or a tool that has no such pictures.
-pub fn convert_image(image: &Image, from: Layout, to: Layout) -> Result<Image, Error> {
+pub fn convert_image(image: &Image, from: MapLayout, to: MapLayout) -> Result<Image, Error> {
     for layout in [from, to] {
         layout.projection.check(layout.size.0, layout.size.1)?;
         layout.orientation.check(layout.projection)?;
@@ -92,7 +92,7 @@ struct Overlaps {
 const ROUNDS: usize = 12;
 
 impl Overlaps {
-    fn of(from: Layout, to: Layout) -> Overlaps {
+    fn of(from: MapLayout, to: MapLayout) -> Overlaps {
         let inputs = from.projection.solid_angles(from.size);
         let outputs = to.projection.solid_angles(to.size);
         let mut pairs = Vec::new();
@@ -210,7 +210,7 @@ fn fit(factors: &mut [f64], targets: &[f64], sums: &[f64]) {
 const CELLS: usize = 3;
 
 /// Calls `visit` with texel, direction and share of the texel's solid angle for a few cells of every texel.
-fn each_cell(layout: Layout, mut visit: impl FnMut(usize, [f64; 3], f64)) {
+fn each_cell(layout: MapLayout, mut visit: impl FnMut(usize, [f64; 3], f64)) {
     let (size, projection) = (layout.size, layout.projection);
     for texel in 0..size.0 * size.1 {
         let (i, j) = (texel % size.0, texel / size.0);

@@ -39,7 +39,7 @@ mod sky_map;
 mod stats;
 mod up;
 
-pub use convert::{Layout, convert, convert_image};
+pub use convert::{MapLayout, convert, convert_image};
 pub use error::Error;
 #[cfg(feature = "files")]
 pub use file::{

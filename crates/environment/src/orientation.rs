@@ -117,7 +117,7 @@ impl Orientation {
 mod tests {
     use super::*;
     use crate::map::texel;
-    use crate::{Layout, convert_image};
+    use crate::{MapLayout, convert_image};
     use std::f64::consts::{PI, TAU};
 
     /// Where a tool's documentation puts a direction in its polar picture: right and down, 0..1.
@@ -159,7 +159,7 @@ mod tests {
 
     #[test]
     fn every_axis_lands_in_the_pixel_that_the_tool_documents() {
-        let from = Layout {
+        let from = MapLayout {
             projection: Projection::Polar,
             orientation: Orientation::Ambake,
             size: (128, 64),
@@ -169,7 +169,7 @@ mod tests {
                 if tool.check(projection).is_err() {
                     continue;
                 }
-                let to = Layout {
+                let to = MapLayout {
                     projection,
                     orientation: tool,
                     size,

@@ -2,7 +2,7 @@
 
 use super::faces::face_hint;
 use super::image_file::ImageFile;
-use crate::{Error, Layout, Orientation, Projection};
+use crate::{Error, MapLayout, Orientation, Projection};
 use std::path::Path;
 
 impl ImageFile {
@@ -27,7 +27,7 @@ impl ImageFile {
         path: &Path,
         projection: Option<Projection>,
         orientation: Option<Orientation>,
-    ) -> Result<Layout, Error> {
+    ) -> Result<MapLayout, Error> {
         let said = match projection {
             Some(projection) => Some(projection),
             None => self.word(path, "ambakeProjection", "--from", &Projection::NAMES)?,
@@ -41,7 +41,7 @@ impl ImageFile {
                 &Orientation::NAMES,
             )?,
         };
-        let layout = Layout {
+        let layout = MapLayout {
             projection: said.unwrap_or(Projection::Polar),
             orientation: axes.unwrap_or(Orientation::Ambake),
             size: (self.image.width, self.image.height),
@@ -158,7 +158,7 @@ mod tests {
         let layout = file(8, 4, &labels).layout(path, None, None).unwrap();
         assert_eq!(layout.projection, Projection::Ortho);
         let layout = file(8, 4, &[]).layout(path, None, None).unwrap();
-        let polar = Layout {
+        let polar = MapLayout {
             projection: Projection::Polar,
             orientation: Orientation::Ambake,
             size: (8, 4),

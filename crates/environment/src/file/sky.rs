@@ -2,7 +2,7 @@
 
 use super::image_file::ImageFile;
 use super::picture::{bytes, decode};
-use crate::{Error, IlluminationMap, Layout, Orientation, Projection, SkyMap, convert_image};
+use crate::{Error, IlluminationMap, MapLayout, Orientation, Projection, SkyMap, convert_image};
 use std::path::Path;
 
 /// A sky with what identifies it.
@@ -39,7 +39,7 @@ pub fn read_sky(path: &Path) -> Result<SkyFile, Error> {
     file.image.check(path)?;
     let from = file.layout(path, None, None)?;
     let texels = from.projection.texels(from.size);
-    let polar = Layout {
+    let polar = MapLayout {
         projection: Projection::Polar,
         orientation: Orientation::Ambake,
         size: (texels, texels / 2),

@@ -5,7 +5,8 @@ use super::{ProbeSet, image_based};
 use crate::engines::{BEVY_WHITE, Shape, encode_as};
 use crate::{Engine, Error, Output};
 use environment::{
-    Format, IlluminationMap, Image, Labels, Layout, Orientation, Projection, convert_image, encode,
+    Format, IlluminationMap, Image, Labels, MapLayout, Orientation, Projection, convert_image,
+    encode,
 };
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -153,12 +154,12 @@ fn turned(image: &Image) -> Image {
 
 /// The captured light as a polar picture in a tool's axes.
 fn polar(image: &Image, orientation: Orientation, name: &str) -> Result<Vec<u8>, Error> {
-    let from = Layout {
+    let from = MapLayout {
         projection: Projection::Cube,
         orientation: Orientation::Ambake,
         size: (image.width, image.height),
     };
-    let to = Layout {
+    let to = MapLayout {
         projection: Projection::Polar,
         orientation,
         size: Projection::Polar.size(4 * image.width),
