@@ -5,7 +5,7 @@ use bake::{BakedPage, Baker, Effort, Options, Plan};
 use bench::parity::{Answer, BothBackends, ParityReport, TestRays, parity};
 use glam::Vec3;
 use layers::Layer;
-use rays::{BackendKind, Layout, Overrides, RayBackend, World, WorldOptions, build};
+use rays::{BackendKind, Overrides, RayBackend, TreeKind, World, WorldOptions, build};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -90,12 +90,12 @@ fn embree_and_obvhs_answer_alike_on_every_scene() {
         let world = World::new(Arc::new(scene), options).expect("the scenes fit single precision");
         let made =
             |layout| build(BackendKind::Obvhs(layout), &world, 0).expect("obvhs has no errors");
-        let wide = made(Layout::Cwbvh);
+        let wide = made(TreeKind::Cwbvh);
         let rays = TestRays::new(&world, 1);
         let ask = |a: &dyn RayBackend, b: &dyn RayBackend, count| {
             parity(&world, a, b, |n| rays.packet(n), count)
         };
-        let narrow = made(Layout::Bvh2);
+        let narrow = made(TreeKind::Bvh2);
         if has_embree() {
             let embree = build(BackendKind::Embree, &world, 0).expect("this build has Embree");
             for (what, obvhs, rays) in [
@@ -202,11 +202,11 @@ fn baked_layers_differ_only_where_a_listed_ray_explains_it() {
             .unwrap_or_else(|| panic!("{name} fits on no page of 1024 texels"));
         options.effort = Effort::Rays((32 * 128 * 128 / atlas.page_size.pow(2)).max(4));
         let wide =
-            build(BackendKind::Obvhs(Layout::Cwbvh), &world, 0).expect("obvhs has no errors");
+            build(BackendKind::Obvhs(TreeKind::Cwbvh), &world, 0).expect("obvhs has no errors");
         let kind = if has_embree() {
             BackendKind::Embree
         } else {
-            BackendKind::Obvhs(Layout::Bvh2)
+            BackendKind::Obvhs(TreeKind::Bvh2)
         };
         let other = build(kind, &world, 0).expect("this build has the backend");
         let both = BothBackends::new(&world, &*other, &*wide);

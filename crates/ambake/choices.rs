@@ -1,6 +1,6 @@
 //! What a bake chooses among that no crate below this one names: lightmap coordinates and the library of rays.
 
-use rays::{BackendKind, Layout};
+use rays::{BackendKind, TreeKind};
 
 /// Lightmap coordinates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -38,8 +38,8 @@ impl Backend {
     pub fn kind(self) -> BackendKind {
         match self {
             Self::Embree => BackendKind::Embree,
-            Self::Obvhs => BackendKind::Obvhs(Layout::Cwbvh),
-            Self::ObvhsBvh2 => BackendKind::Obvhs(Layout::Bvh2),
+            Self::Obvhs => BackendKind::Obvhs(TreeKind::Cwbvh),
+            Self::ObvhsBvh2 => BackendKind::Obvhs(TreeKind::Bvh2),
         }
     }
 }

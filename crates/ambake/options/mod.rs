@@ -11,7 +11,7 @@ use ::bake::{
     AmbientCoefficient, Bounces, Buried, Choice, Denoise, Footprint, Model, PointSet, Seams,
     Shading, View,
 };
-use ::scene::{Format, Instance, Surface};
+use ::scene::{Format, Instance, MaterialModel};
 use environment::Up;
 use layers::Layer;
 use rays::{Light, Overrides};
@@ -219,7 +219,7 @@ impl Options {
             Layer::AnyView8,
         ];
         let is_metallic_roughness = |material: &::scene::Material| {
-            matches!(material.surface, Surface::MetallicRoughness { .. })
+            matches!(material.surface, MaterialModel::MetallicRoughness { .. })
         };
         self.model.unwrap_or(match scene.format {
             _ if asks(&[Layer::Ggx, Layer::Base]) => Model::Ggx,

@@ -14,7 +14,7 @@
 //! let (plan, world) = Plan::of(&scene, &options)?;
 //! let layout = atlas::Options { page_size: 64, ..Default::default() };
 //! let atlas = atlas::layout(&scene, &layout, &|| false)?;
-//! let backend = rays::build(rays::BackendKind::Obvhs(rays::Layout::default()), &world, 0)?;
+//! let backend = rays::build(rays::BackendKind::Obvhs(rays::TreeKind::default()), &world, 0)?;
 //!
 //! let baker = Baker::new(&world, &plan, backend.as_ref(), &atlas, &options);
 //! let mut page = baker.start(0);

@@ -4,7 +4,7 @@ use crate::Subject;
 use crate::clock::time;
 use bake::{BakedPage, Denoise, Effort, Options, PointSet, Sky};
 use layers::Layer;
-use rays::{BackendKind, Coherence, Layout, Ray, RayBackend, RayPacket, SurfaceHit};
+use rays::{BackendKind, Coherence, Ray, RayBackend, RayPacket, SurfaceHit, TreeKind};
 use serde::Serialize;
 
 /// Rays of the reference that errors are measured against, and its seed.
@@ -75,7 +75,7 @@ pub const TECHNIQUES: [Technique; 9] = {
         draw_sky: true,
         efforts: MANY,
     };
-    let cwbvh = BackendKind::Obvhs(Layout::Cwbvh);
+    let cwbvh = BackendKind::Obvhs(TreeKind::Cwbvh);
     [
         plain,
         Technique {
@@ -121,7 +121,7 @@ pub const TECHNIQUES: [Technique; 9] = {
         },
         Technique {
             name: "obvhs bvh2",
-            backend: BackendKind::Obvhs(Layout::Bvh2),
+            backend: BackendKind::Obvhs(TreeKind::Bvh2),
             efforts: FEW,
             ..plain
         },

@@ -2,7 +2,7 @@
 
 use crate::{Error, Gather, Placed, gather};
 use glam::DVec3;
-use rays::{BackendKind, Layout, RayBackend, World, WorldOptions, build};
+use rays::{BackendKind, RayBackend, TreeKind, World, WorldOptions, build};
 use scene::Scene;
 use scene::authored::{Material, Mesh};
 use std::sync::{Arc, Mutex};
@@ -73,7 +73,7 @@ pub(crate) fn world(all: &[Sheets]) -> (World, Box<dyn RayBackend>) {
         alpha_test_all: false,
     };
     let world = World::new(Arc::new(scene), options).unwrap();
-    let backend = build(BackendKind::Obvhs(Layout::Cwbvh), &world, 1).unwrap();
+    let backend = build(BackendKind::Obvhs(TreeKind::Cwbvh), &world, 1).unwrap();
     (world, backend)
 }
 

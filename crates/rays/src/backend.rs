@@ -71,9 +71,9 @@ pub struct SurfaceHit {
     pub front: bool,
 }
 
-/// Tree layout of obvhs.
+/// Trees that obvhs builds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Layout {
+pub enum TreeKind {
     /// Eight quantised children a node.
     #[default]
     Cwbvh,

@@ -1,6 +1,6 @@
 //! How a backend is chosen and built.
 
-use crate::backend::{Layout, RayBackend};
+use crate::backend::{RayBackend, TreeKind};
 use crate::embree_backend::EmbreeBackend;
 use crate::error::Error;
 use crate::obvhs_backend::ObvhsBackend;
@@ -12,7 +12,7 @@ pub enum BackendKind {
     /// Debian's Embree.
     Embree,
     /// obvhs, in Rust throughout.
-    Obvhs(Layout),
+    Obvhs(TreeKind),
 }
 
 /// A backend over the world. `threads` bounds the threads of the build, 0 for all; obvhs builds in the current rayon

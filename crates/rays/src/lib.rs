@@ -5,13 +5,13 @@
 //! [`SurfacePoint`] with its material. A renderer or a baker needs nothing else to cast rays.
 //!
 //! ```
-//! use ambake_rays::{BackendKind, Layout, Ray, World, WorldOptions, build};
+//! use ambake_rays::{BackendKind, Ray, TreeKind, World, WorldOptions, build};
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/plane.obj");
 //! # if !std::path::Path::new(file).exists() { return Ok(()); }
 //! let scene = std::sync::Arc::new(scene::load(file.as_ref())?);
 //! let world = World::new(scene, WorldOptions::default())?;
-//! let backend = build(BackendKind::Obvhs(Layout::default()), &world, 0)?;
+//! let backend = build(BackendKind::Obvhs(TreeKind::default()), &world, 0)?;
 //!
 //! let above = world.bounds().center() + glam::DVec3::Y;
 //! let down = Ray {
@@ -75,7 +75,7 @@ mod world;
 
 pub use alpha_test::AlphaTest;
 pub use backend::{
-    Coherence, Lanes, Layout, PacketWidth, Ray, RayBackend, RayPacket, Stops, SurfaceHit,
+    Coherence, Lanes, PacketWidth, Ray, RayBackend, RayPacket, Stops, SurfaceHit, TreeKind,
 };
 pub use boxes::Boxes;
 pub use build::{BackendKind, build, has_embree};

@@ -2,7 +2,7 @@
 
 use crate::backend::SurfaceHit;
 use glam::{DVec2, DVec3, Vec2, Vec3};
-use scene::{Alpha, Instance, Material, Mesh, Scene, Surface, TextureRef};
+use scene::{Alpha, Instance, Material, MaterialModel, Mesh, Scene, TextureRef};
 
 /// Parameters of the Phong model, of a point or averaged over an area.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -61,14 +61,14 @@ pub fn material_at(
     let mesh = &scene.meshes[scene.instances[instance as usize].mesh as usize];
     let point = SurfaceAt::of(scene, mesh, triangle, weights);
     let (albedo, specular, exponent) = match &point.material.surface {
-        Surface::Phong {
+        MaterialModel::Phong {
             specular, exponent, ..
         } => (point.base, *specular, *exponent),
-        Surface::MetallicRoughness { dielectric, .. } => {
+        MaterialModel::MetallicRoughness { dielectric, .. } => {
             let [roughness, metallic] = point.roughness_and_metallic();
             scene::phong_from_metallic_roughness(point.base, metallic, roughness, *dielectric)
         }
-        Surface::SpecularGlossiness {
+        MaterialModel::SpecularGlossiness {
             specular,
             glossiness,
             specular_glossiness_map,
@@ -100,13 +100,13 @@ pub(crate) fn transmitted(
 }
 
 /// The base colour of a surface: its factor and its texture.
-pub(crate) fn base_of(surface: &Surface) -> (Vec3, &Option<TextureRef>) {
+pub(crate) fn base_of(surface: &MaterialModel) -> (Vec3, &Option<TextureRef>) {
     match surface {
-        Surface::Phong {
+        MaterialModel::Phong {
             albedo, albedo_map, ..
         } => (*albedo, albedo_map),
-        Surface::MetallicRoughness { base, base_map, .. } => (*base, base_map),
-        Surface::SpecularGlossiness {
+        MaterialModel::MetallicRoughness { base, base_map, .. } => (*base, base_map),
+        MaterialModel::SpecularGlossiness {
             diffuse,
             diffuse_map,
             ..
@@ -157,7 +157,7 @@ impl<'a> SurfaceAt<'a> {
 
     fn roughness_and_metallic(&self) -> [f64; 2] {
         match &self.material.surface {
-            Surface::MetallicRoughness {
+            MaterialModel::MetallicRoughness {
                 metallic,
                 roughness,
                 metallic_roughness_map,
@@ -272,14 +272,14 @@ mod tests {
     /// At the middle of the edge from the first corner of triangle 0 to its second.
     const MIDDLE: [f64; 3] = [0.5, 0.5, 0.0];
 
-    fn square(surface: Surface) -> Scene {
+    fn square(surface: MaterialModel) -> Scene {
         let mut scene = fixture::scene(vec![fixture::square(0.0)]);
         scene.materials[0].surface = surface;
         scene
     }
 
-    fn dielectric(base: Vec3, metallic: f64) -> Surface {
-        Surface::MetallicRoughness {
+    fn dielectric(base: Vec3, metallic: f64) -> MaterialModel {
+        MaterialModel::MetallicRoughness {
             base,
             base_map: None,
             metallic,
@@ -315,7 +315,7 @@ mod tests {
 
     #[test]
     fn a_specular_glossiness_surface_has_what_its_coat_leaves_and_the_exponent_of_its_gloss() {
-        let mut scene = square(Surface::SpecularGlossiness {
+        let mut scene = square(MaterialModel::SpecularGlossiness {
             diffuse: Vec3::new(0.5, 1.0, 0.25),
             diffuse_map: None,
             specular: Vec3::new(0.5, 0.25, 0.0),
@@ -323,7 +323,7 @@ mod tests {
             specular_glossiness_map: None,
         });
         let map = plain(&mut scene, [255, 255, 255, 51]);
-        if let Surface::SpecularGlossiness {
+        if let MaterialModel::SpecularGlossiness {
             specular_glossiness_map,
             ..
         } = &mut scene.materials[0].surface

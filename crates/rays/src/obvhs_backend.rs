@@ -5,7 +5,7 @@
 //! normalised, so t is the same in both spaces.
 
 use crate::alpha_test::AlphaTest;
-use crate::backend::{Coherence, Layout, Ray, RayBackend, RayPacket, Stops, SurfaceHit};
+use crate::backend::{Coherence, Ray, RayBackend, RayPacket, Stops, SurfaceHit, TreeKind};
 use crate::coincident::Coincident;
 use crate::tree::Tree;
 use crate::triangle::ShearedRay;
@@ -14,7 +14,7 @@ use glam::{DAffine3, DVec3};
 
 /// obvhs over a world.
 pub struct ObvhsBackend {
-    layout: Layout,
+    kind: TreeKind,
     flat: Group,
     groups: Vec<Group>,
     placements: Vec<Placement>,
@@ -62,8 +62,8 @@ struct Query {
 
 impl ObvhsBackend {
     /// Builds all trees, in the current rayon pool.
-    pub fn build(world: &World, layout: Layout) -> Self {
-        let wide = layout == Layout::Cwbvh;
+    pub fn build(world: &World, kind: TreeKind) -> Self {
+        let wide = kind == TreeKind::Cwbvh;
         let mut flat = Vec::new();
         let mut groups = Vec::new();
         let mut group_of = vec![None; world.geometries.len()];
@@ -101,7 +101,7 @@ impl ObvhsBackend {
         }
         let (top, order) = Tree::build(boxes.len(), |index| boxes[index], wide);
         Self {
-            layout,
+            kind,
             flat: Group::build(world, &flat, wide),
             groups,
             placements: order
@@ -252,11 +252,11 @@ impl RayBackend for ObvhsBackend {
     }
 
     fn describe(&self) -> String {
-        let layout = match self.layout {
-            Layout::Cwbvh => "cwbvh",
-            Layout::Bvh2 => "bvh2",
+        let kind = match self.kind {
+            TreeKind::Cwbvh => "cwbvh",
+            TreeKind::Bvh2 => "bvh2",
         };
-        format!("obvhs 0.4 {layout}, f64 triangle test")
+        format!("obvhs 0.4 {kind}, f64 triangle test")
     }
 
     fn memory_bytes(&self) -> u64 {

@@ -1,6 +1,6 @@
-//! What the obvhs backend promises, in both layouts.
+//! What the obvhs backend promises, in both kinds of trees.
 
-use crate::backend::{Coherence, Layout, Ray, RayBackend, RayPacket, SurfaceHit};
+use crate::backend::{Coherence, Ray, RayBackend, RayPacket, SurfaceHit, TreeKind};
 use crate::fixture::{
     Dice, mask_left_half, mesh, placed_scene, scene, soup, sphere, square, world,
 };
@@ -10,7 +10,7 @@ use crate::triangle::ShearedRay;
 use crate::world::World;
 use glam::{DAffine3, DVec3, Vec3};
 
-const LAYOUTS: [Layout; 2] = [Layout::Cwbvh, Layout::Bvh2];
+const KINDS: [TreeKind; 2] = [TreeKind::Cwbvh, TreeKind::Bvh2];
 
 fn ray(origin: Vec3, direction: Vec3, t_min: f32, t_max: f32) -> Ray {
     Ray {
@@ -58,7 +58,7 @@ fn exhaustive(world: &World, ray: &Ray) -> Option<SurfaceHit> {
 }
 
 fn assert_exhaustive(world: &World, rays: impl Iterator<Item = Ray>) -> usize {
-    let backends = LAYOUTS.map(|layout| ObvhsBackend::build(world, layout));
+    let backends = KINDS.map(|kind| ObvhsBackend::build(world, kind));
     let mut hits = 0;
     for ray in rays {
         let truth = exhaustive(world, &ray);
@@ -169,13 +169,13 @@ fn surfaces_a_millionth_apart_stay_apart() {
             square
         });
         let world = world(scene(pair.to_vec()));
-        for layout in LAYOUTS {
-            let backend = ObvhsBackend::build(&world, layout);
+        for kind in KINDS {
+            let backend = ObvhsBackend::build(&world, kind);
             let at = Vec3::new(0.3, 0.2, 0.0) * scale;
             let hit = backend
                 .closest(&endless(at, Vec3::Z))
                 .map(|hit| (hit.t, hit.instance));
-            assert_eq!(hit, Some((gap, 1)), "{layout:?} at scale {scale}");
+            assert_eq!(hit, Some((gap, 1)), "{kind:?} at scale {scale}");
             assert!(backend.occluded(&ray(at, Vec3::Z, 0.0, gap)));
             assert!(!backend.occluded(&ray(at, Vec3::Z, 0.0, gap.next_down())));
             assert!(!backend.occluded(&endless(at, Vec3::NEG_Z)));
@@ -186,8 +186,8 @@ fn surfaces_a_millionth_apart_stay_apart() {
 #[test]
 fn intervals_are_open_below_and_closed_above() {
     let world = world(scene(vec![square(1.0)]));
-    for layout in LAYOUTS {
-        let backend = ObvhsBackend::build(&world, layout);
+    for kind in KINDS {
+        let backend = ObvhsBackend::build(&world, kind);
         let meets =
             |t_min, t_max| backend.occluded(&ray(Vec3::new(0.3, 0.2, 0.0), Vec3::Z, t_min, t_max));
         assert!(meets(0.0, 1.0));
@@ -207,8 +207,8 @@ fn intervals_are_open_below_and_closed_above() {
 fn rays_aimed_at_edges_and_vertices_do_not_leak() {
     let sphere = sphere(4);
     let world = world(scene(vec![sphere.clone()]));
-    for layout in LAYOUTS {
-        let backend = ObvhsBackend::build(&world, layout);
+    for kind in KINDS {
+        let backend = ObvhsBackend::build(&world, kind);
         let mut dice = Dice(Mix(5));
         for round in 0..20_000 {
             let [a, b, _] = sphere.triangles[round % sphere.triangles.len()]
@@ -220,7 +220,7 @@ fn rays_aimed_at_edges_and_vertices_do_not_leak() {
             };
             let origin = dice.point() * 0.5;
             let ray = endless(origin, target - origin);
-            assert!(backend.occluded(&ray), "{layout:?}: {ray:?}");
+            assert!(backend.occluded(&ray), "{kind:?}: {ray:?}");
         }
     }
 }
@@ -283,8 +283,8 @@ fn fronts_follow_the_mesh_through_mirroring_placements() {
     for places in [vec![(0, mirror)], vec![(0, mirror), (0, mirror * lift)]] {
         let world = world(placed_scene(vec![square(0.0)], &places));
         assert_eq!(world.parts[0].transform.is_some(), places.len() > 1);
-        for layout in LAYOUTS {
-            let backend = ObvhsBackend::build(&world, layout);
+        for kind in KINDS {
+            let backend = ObvhsBackend::build(&world, kind);
             let front = |z: f32| {
                 let hit =
                     backend.closest(&endless(Vec3::new(0.1, 0.3, z), Vec3::new(0.0, 0.0, -z)));
@@ -293,7 +293,7 @@ fn fronts_follow_the_mesh_through_mirroring_placements() {
             assert_eq!(
                 (front(5.0), front(-5.0)),
                 (Some(true), Some(false)),
-                "{layout:?}"
+                "{kind:?}"
             );
         }
     }
@@ -306,8 +306,8 @@ fn holes_of_a_masked_material_let_rays_pass() {
     masked.materials.push(masked.materials[0].clone());
     mask_left_half(&mut masked);
     let world = world(masked);
-    for layout in LAYOUTS {
-        let backend = ObvhsBackend::build(&world, layout);
+    for kind in KINDS {
+        let backend = ObvhsBackend::build(&world, kind);
         let first = |x: f32| {
             backend
                 .closest(&endless(Vec3::new(x, 0.2, 1.0), Vec3::NEG_Z))
@@ -327,8 +327,8 @@ fn rays_that_are_not_finite_and_worlds_without_triangles_meet_nothing() {
         scene(vec![square(0.0)]),
     ];
     for world in worlds.map(world) {
-        for layout in LAYOUTS {
-            let backend = ObvhsBackend::build(&world, layout);
+        for kind in KINDS {
+            let backend = ObvhsBackend::build(&world, kind);
             for bad in [
                 endless(Vec3::new(0.0, 0.0, f32::NAN), Vec3::NEG_Z),
                 endless(Vec3::new(f32::INFINITY, 0.0, 1.0), Vec3::NEG_Z),
@@ -349,7 +349,7 @@ fn rays_that_are_not_finite_and_worlds_without_triangles_meet_nothing() {
 #[test]
 fn packets_answer_their_active_lanes_alone() {
     let world = world(scene(vec![square(0.0)]));
-    let backend = ObvhsBackend::build(&world, Layout::Cwbvh);
+    let backend = ObvhsBackend::build(&world, TreeKind::Cwbvh);
     let mut packet = RayPacket::<16>::new();
     for lane in 0..16 {
         let down = if lane % 2 == 0 { Vec3::NEG_Z } else { Vec3::Z };
@@ -392,12 +392,12 @@ fn of_triangles_in_one_place_the_first_that_faces_the_ray_is_met() {
         (twice, (0, 1), (0, 0)),
     ] {
         let world = world(scene);
-        for layout in LAYOUTS {
-            let backend = ObvhsBackend::build(&world, layout);
+        for kind in KINDS {
+            let backend = ObvhsBackend::build(&world, kind);
             for (z, place) in [(5.0, above), (-5.0, below)] {
                 let hit = backend.closest(&at(z)).expect("the triangle is there");
-                assert_eq!((hit.instance, hit.triangle), place, "{layout:?} from {z}");
-                assert!(hit.front, "{layout:?} from {z}");
+                assert_eq!((hit.instance, hit.triangle), place, "{kind:?} from {z}");
+                assert!(hit.front, "{kind:?} from {z}");
                 let [a, b, c] = world.corners(hit.instance, hit.triangle);
                 let [v, w] = hit.barycentric.map(f64::from);
                 let met = (1.0 - v - w) * a + v * b + w * c;

@@ -65,10 +65,10 @@ pub(crate) fn relative(passing: Vec3) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::backend::Layout;
+    use crate::backend::TreeKind;
     use crate::build::{BackendKind, build, has_embree};
     use crate::fixture::{scene, square, world};
-    use scene::{Alpha, Surface, Transmission};
+    use scene::{Alpha, MaterialModel, Transmission};
 
     /// Squares one above another, each with a tint, its alpha and the share of the rest that it transmits; and the
     /// libraries over them.
@@ -78,7 +78,7 @@ mod tests {
         for (number, &(albedo, alpha, factor)) in of.iter().enumerate() {
             scene.meshes[number].material = number as u32;
             let mut material = plain.clone();
-            material.surface = Surface::Phong {
+            material.surface = MaterialModel::Phong {
                 albedo,
                 albedo_map: None,
                 specular: Vec3::ZERO,
@@ -92,7 +92,7 @@ mod tests {
             scene.materials.push(material);
         }
         let world = world(scene);
-        let mut kinds = vec![BackendKind::Obvhs(Layout::default())];
+        let mut kinds = vec![BackendKind::Obvhs(TreeKind::default())];
         kinds.extend(has_embree().then_some(BackendKind::Embree));
         let backends = kinds.into_iter().map(|kind| build(kind, &world, 1));
         let backends = backends

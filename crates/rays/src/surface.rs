@@ -217,7 +217,7 @@ impl Patch {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::backend::{Layout, Ray};
+    use crate::backend::{Ray, TreeKind};
     use crate::build::{BackendKind, build, has_embree};
     use crate::fixture;
     use glam::{DAffine3, Vec3};
@@ -225,8 +225,8 @@ mod tests {
 
     fn kinds() -> Vec<BackendKind> {
         let mut kinds = vec![
-            BackendKind::Obvhs(Layout::Bvh2),
-            BackendKind::Obvhs(Layout::Cwbvh),
+            BackendKind::Obvhs(TreeKind::Bvh2),
+            BackendKind::Obvhs(TreeKind::Cwbvh),
         ];
         kinds.extend(has_embree().then_some(BackendKind::Embree));
         kinds
@@ -318,7 +318,7 @@ mod tests {
         let is_narrow: Vec<bool> = mesh.triangles.iter().map(narrow).collect();
         let world = fixture::world(fixture::scene(vec![mesh.clone()]));
         let errors = PlaneErrors::of(&world);
-        let backend = build(BackendKind::Obvhs(Layout::Bvh2), &world, 1).expect("a backend");
+        let backend = build(BackendKind::Obvhs(TreeKind::Bvh2), &world, 1).expect("a backend");
         let mut dice = fixture::Dice(crate::mix::Mix(7));
         let (mut open, mut cast) = (0, 0);
         let wide = is_narrow.iter().enumerate().filter(|(_, narrow)| !**narrow);

@@ -1,7 +1,7 @@
 //! Small scenes for this crate's tests.
 
 use glam::Vec3;
-use rays::{BackendKind, Layout, RayBackend, World, WorldOptions, build};
+use rays::{BackendKind, RayBackend, TreeKind, World, WorldOptions, build};
 use scene::authored::{Material, Mesh};
 use scene::{Alpha, Scene};
 use std::sync::Arc;
@@ -75,6 +75,6 @@ fn world_of(sheets: &[Sheet], alpha: Alpha) -> (World, Box<dyn RayBackend>) {
         alpha_test_all: false,
     };
     let world = World::new(Arc::new(scene), options).unwrap();
-    let backend = build(BackendKind::Obvhs(Layout::Cwbvh), &world, 1).unwrap();
+    let backend = build(BackendKind::Obvhs(TreeKind::Cwbvh), &world, 1).unwrap();
     (world, backend)
 }

@@ -183,7 +183,7 @@ pub struct Material {
     /// The file's name, else `material 3`.
     pub name: String,
     /// Surface colour model.
-    pub surface: Surface,
+    pub surface: MaterialModel,
     /// k_a of the traditional ambient term, linear, 0..=1 a channel (OBJ `Ka`); `None` where the file gives none.
     pub ambient: Option<Vec3>,
     /// Radiance that the surface sends out by itself, linear (OBJ `Ke`; glTF `emissiveFactor` times its strength).
@@ -202,7 +202,7 @@ pub struct Material {
 
 /// Where albedo, specular and exponent come from.
 #[derive(Debug, Clone)]
-pub enum Surface {
+pub enum MaterialModel {
     /// The Phong model itself (OBJ: Kd, Ks, Ns, map_Kd). Albedo and specular add up to at most 1 in every channel.
     Phong {
         /// Diffuse reflectance, linear, 0..=1 a channel.
@@ -245,17 +245,17 @@ pub enum Surface {
     },
 }
 
-impl Surface {
+impl MaterialModel {
     /// The textures that decide what the surface reflects.
     pub fn textures(&self) -> impl Iterator<Item = &TextureRef> {
         let maps = match self {
-            Surface::Phong { albedo_map, .. } => [albedo_map, &None],
-            Surface::MetallicRoughness {
+            MaterialModel::Phong { albedo_map, .. } => [albedo_map, &None],
+            MaterialModel::MetallicRoughness {
                 base_map,
                 metallic_roughness_map,
                 ..
             } => [base_map, metallic_roughness_map],
-            Surface::SpecularGlossiness {
+            MaterialModel::SpecularGlossiness {
                 diffuse_map,
                 specular_glossiness_map,
                 ..
@@ -273,7 +273,7 @@ impl Material {
     pub fn untinted(name: impl Into<String>) -> Self {
         Self {
             name: name.into(),
-            surface: Surface::Phong {
+            surface: MaterialModel::Phong {
                 albedo: Vec3::ONE,
                 albedo_map: None,
                 specular: Vec3::ZERO,

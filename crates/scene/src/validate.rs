@@ -21,8 +21,8 @@
 use crate::input::{Input, short};
 use crate::material::tell_scaled;
 use crate::{
-    Alpha, Error, Format, GltfDocument, Image, Instance, Light, Material, Mesh, PackedImage, Scene,
-    Surface, TextureRef, WarningKind, far,
+    Alpha, Error, Format, GltfDocument, Image, Instance, Light, Material, MaterialModel, Mesh,
+    PackedImage, Scene, TextureRef, WarningKind, far,
 };
 use glam::{DAffine3, DVec3, DVec4, Vec2, Vec3, Vec4};
 use std::collections::HashMap;
@@ -429,13 +429,13 @@ pub(crate) fn without_textures(
 /// The places of a material where a texture can stand.
 pub(crate) fn slots(material: &mut Material) -> impl Iterator<Item = &mut Option<TextureRef>> {
     let surface = match &mut material.surface {
-        Surface::Phong { albedo_map, .. } => [Some(albedo_map), None],
-        Surface::MetallicRoughness {
+        MaterialModel::Phong { albedo_map, .. } => [Some(albedo_map), None],
+        MaterialModel::MetallicRoughness {
             base_map,
             metallic_roughness_map,
             ..
         } => [Some(base_map), Some(metallic_roughness_map)],
-        Surface::SpecularGlossiness {
+        MaterialModel::SpecularGlossiness {
             diffuse_map,
             specular_glossiness_map,
             ..

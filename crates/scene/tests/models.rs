@@ -3,7 +3,7 @@
 #[path = "../../../tests/skip.rs"]
 mod skip;
 
-use ambake_scene::{Alpha, Scene, Surface, WarningKind, load};
+use ambake_scene::{Alpha, MaterialModel, Scene, WarningKind, load};
 use std::path::Path;
 
 fn model(name: &str) -> Option<Scene> {
@@ -61,7 +61,7 @@ fn boeing_787_has_its_triangles_and_tinted_reflectance() {
         (triangles(&scene), scene.meshes.len(), scene.images.len()),
         (19_126, 12, 2)
     );
-    let Surface::MetallicRoughness {
+    let MaterialModel::MetallicRoughness {
         dielectric,
         metallic,
         ..
@@ -92,7 +92,7 @@ fn game_level_without_materials_is_untinted() {
     };
     assert_eq!(triangles(&scene), 58_772);
     assert!(
-        matches!(scene.materials[0].surface, Surface::Phong { albedo, .. } if albedo == glam::Vec3::ONE)
+        matches!(scene.materials[0].surface, MaterialModel::Phong { albedo, .. } if albedo == glam::Vec3::ONE)
     );
     assert!(
         scene.meshes[0].uv_sets[0]

@@ -48,7 +48,7 @@ fn gathers_go_on_from_the_tiles_that_were_kept_to_the_same_light() {
         ..Default::default()
     };
     let atlas = atlas::layout(&scene, &layout, &|| false).expect("a layout");
-    let kind = rays::BackendKind::Obvhs(rays::Layout::default());
+    let kind = rays::BackendKind::Obvhs(rays::TreeKind::default());
     let backend = rays::build(kind, &world, 0).expect("a backend");
     let baker = Baker::new(&world, &plan, backend.as_ref(), &atlas, &options);
     let pages: Vec<BakedPage> = (0..atlas.page_count)

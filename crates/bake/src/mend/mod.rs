@@ -33,7 +33,7 @@ const FAR: f64 = 0.02;
 const NORMAL_AGREEMENT: f64 = 0.8;
 
 /// What of a page decides how it is mended. Planes of `size * size` values, row 0 on top.
-pub(crate) struct Surface<'a> {
+pub(crate) struct MendedPlanes<'a> {
     pub size: usize,
     /// Share of a texel inside charts; 0 in the void.
     pub coverage: &'a [f32],
@@ -60,22 +60,22 @@ struct Mend {
 
 impl Mends {
     /// What a page needs.
-    pub fn of(surface: &Surface<'_>) -> Self {
+    pub fn of(surface: &MendedPlanes<'_>) -> Self {
         Self::up_to(surface, 1.0)
     }
 
     /// What the texels of which nothing can be seen need once the others have changed, whose values stand for their
     /// middles by then.
-    pub fn of_unseen(surface: &Surface<'_>) -> Self {
+    pub fn of_unseen(surface: &MendedPlanes<'_>) -> Self {
         Self::up_to(surface, f32::MIN_POSITIVE)
     }
 
     /// What texels need of which less than this share can be seen.
-    fn up_to(surface: &Surface<'_>, share: f32) -> Self {
+    fn up_to(surface: &MendedPlanes<'_>, share: f32) -> Self {
         let texels = surface.size * surface.size;
         let needs =
             |&texel: &usize| surface.coverage[texel] > 0.0 && surface.validity[texel] < share;
-        let surface = &Surface {
+        let surface = &MendedPlanes {
             moved: share < 1.0,
             ..*surface
         };
@@ -128,7 +128,7 @@ impl Mends {
     }
 }
 
-impl Surface<'_> {
+impl MendedPlanes<'_> {
     /// The sum that a texel becomes; `None` where its neighbours do not say.
     fn terms(&self, texel: usize) -> Option<Vec<(usize, f64)>> {
         if !self.is_near_seen(texel) {

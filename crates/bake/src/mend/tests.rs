@@ -1,6 +1,6 @@
 //! A flat page of one surface, of which some columns are buried: what their texels are made of is known on paper.
 
-use super::{Mends, Surface};
+use super::{MendedPlanes, Mends};
 
 const SIZE: usize = 16;
 /// The first texel of the buried columns, in the middle row.
@@ -49,9 +49,9 @@ impl Planes {
         planes
     }
 
-    fn mends(&self, of: fn(&Surface<'_>) -> Mends) -> Mends {
+    fn mends(&self, of: fn(&MendedPlanes<'_>) -> Mends) -> Mends {
         let three = |planes| <[Vec<f32>; 3]>::each_ref(planes).map(Vec::as_slice);
-        of(&Surface {
+        of(&MendedPlanes {
             size: SIZE,
             coverage: &plane(|_, _| 1.0),
             validity: &self.validity,
@@ -71,7 +71,7 @@ impl Planes {
 
     /// What each texel counts in a mended one: what that gains where the texel does. Rows that differ by much leave it
     /// room.
-    fn weights(&self, of: fn(&Surface<'_>) -> Mends, mended: usize) -> Vec<f64> {
+    fn weights(&self, of: fn(&MendedPlanes<'_>) -> Mends, mended: usize) -> Vec<f64> {
         let mends = self.mends(of);
         let found = |brighter: Option<usize>| {
             let mut values = plane(|_, y| if y % 2 == 0 { 8.0 } else { -8.0 });

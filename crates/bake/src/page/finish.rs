@@ -9,7 +9,7 @@ use super::stats::ErrorSums;
 use super::tangent;
 use super::terms::{TermLayers, lights, terms};
 use crate::denoise::{Denoiser, Field, Term, oidn};
-use crate::mend::{Mends, Surface};
+use crate::mend::{MendedPlanes, Mends};
 use crate::options::{Denoise, Options};
 use crate::plan::Plan;
 use crate::seams::{Across, Seams};
@@ -125,9 +125,9 @@ fn mean_irradiance(page: &BakedPage) -> f64 {
 }
 
 /// What of a page decides how it is mended.
-fn surface(page: &BakedPage) -> Surface<'_> {
+fn surface(page: &BakedPage) -> MendedPlanes<'_> {
     let three = |layer| [0, 1, 2].map(|channel| fact(page, layer, channel));
-    Surface {
+    MendedPlanes {
         size: page.size as usize,
         coverage: fact(page, Layer::Coverage, 0),
         validity: fact(page, Layer::Validity, 0),

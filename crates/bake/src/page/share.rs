@@ -3,7 +3,7 @@
 use super::baker::Baker;
 use crate::choice::Choice;
 use rayon::prelude::*;
-use scene::Surface;
+use scene::MaterialModel;
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
@@ -97,10 +97,9 @@ impl Baker<'_> {
     /// True where texels of the mesh may take rays over the lobe.
     fn may_reflect(&self, mesh: &scene::Mesh) -> bool {
         let own = match &self.world.scene().materials[mesh.material as usize].surface {
-            Surface::Phong { specular, .. } | Surface::SpecularGlossiness { specular, .. } => {
-                specular.max_element() > 0.0
-            }
-            Surface::MetallicRoughness { .. } => true,
+            MaterialModel::Phong { specular, .. }
+            | MaterialModel::SpecularGlossiness { specular, .. } => specular.max_element() > 0.0,
+            MaterialModel::MetallicRoughness { .. } => true,
         };
         let overrides = &self.options.overrides;
         let tinted = overrides

@@ -5,7 +5,7 @@ use crate::options::{Effort, Model, Options};
 use ambient::any_view::{self, Lobe, ORDERS, order_for};
 use ambient::ggx::alpha_of;
 use layers::Layer;
-use scene::{Scene, Surface};
+use scene::{MaterialModel, Scene};
 
 /// What the numbers for any view are expected to be off by, root mean square over all views of the narrowest lobe in
 /// use.
@@ -106,15 +106,15 @@ fn narrowest(scene: &Scene) -> Option<f64> {
     let exponents = used
         .filter(|surface| reflects(surface))
         .map(|surface| match surface {
-            Surface::Phong { exponent, .. } => *exponent,
-            Surface::MetallicRoughness {
+            MaterialModel::Phong { exponent, .. } => *exponent,
+            MaterialModel::MetallicRoughness {
                 base,
                 metallic,
                 roughness,
                 dielectric,
                 ..
             } => scene::phong_from_metallic_roughness(*base, *metallic, *roughness, *dielectric).2,
-            Surface::SpecularGlossiness {
+            MaterialModel::SpecularGlossiness {
                 diffuse,
                 specular,
                 glossiness,

@@ -4,7 +4,7 @@ use super::{Decision, OpenTriangles, decision};
 use crate::choice::Choice;
 use crate::options::{Bounces, Options};
 use glam::Vec3;
-use scene::{Material, Scene, Surface};
+use scene::{Material, MaterialModel, Scene};
 
 /// From this albedo on, light goes on for dozens of gathers; hardly any surface is so bright.
 const BRIGHT: f32 = 0.95;
@@ -70,10 +70,10 @@ pub(super) fn decide(scene: &Scene, options: &Options, open: &OpenTriangles) -> 
 }
 
 /// The albedo of a surface where its maps are white.
-fn most_albedo(surface: &Surface) -> Vec3 {
+fn most_albedo(surface: &MaterialModel) -> Vec3 {
     match surface {
-        Surface::Phong { albedo, .. } => *albedo,
-        Surface::MetallicRoughness {
+        MaterialModel::Phong { albedo, .. } => *albedo,
+        MaterialModel::MetallicRoughness {
             base,
             metallic,
             roughness,
@@ -88,7 +88,7 @@ fn most_albedo(surface: &Surface) -> Vec3 {
             };
             scene::phong_from_metallic_roughness(*base, metallic, *roughness, *dielectric).0
         }
-        Surface::SpecularGlossiness {
+        MaterialModel::SpecularGlossiness {
             diffuse,
             specular,
             specular_glossiness_map,

@@ -14,7 +14,7 @@ use ambient::sampling::Mixture;
 use glam::DVec3;
 use layers::Term;
 use rays::{Error, Light, PlaneErrors, World, WorldOptions};
-use scene::{Scene, Surface};
+use scene::{MaterialModel, Scene};
 use std::sync::Arc;
 
 /// How a term comes about.
@@ -309,12 +309,11 @@ fn specular(scene: &Scene, options: &Options) -> Decision {
     }
 }
 
-fn reflects(surface: &Surface) -> bool {
+fn reflects(surface: &MaterialModel) -> bool {
     match surface {
-        Surface::Phong { specular, .. } | Surface::SpecularGlossiness { specular, .. } => {
-            specular.max_element() > 0.0
-        }
-        Surface::MetallicRoughness {
+        MaterialModel::Phong { specular, .. }
+        | MaterialModel::SpecularGlossiness { specular, .. } => specular.max_element() > 0.0,
+        MaterialModel::MetallicRoughness {
             dielectric,
             metallic,
             ..

@@ -7,7 +7,7 @@ mod scenes;
 use glam::DVec3;
 use made::{Made, Truth};
 use rayon::prelude::*;
-use rays::{BackendKind, Layout, World, WorldOptions, build};
+use rays::{BackendKind, TreeKind, World, WorldOptions, build};
 use rules::Point;
 use serde::Serialize;
 use std::sync::Arc;
@@ -96,7 +96,7 @@ fn scores(make: fn(f64) -> Made) -> Result<Vec<Score>, Error> {
         let materials = vec![made::plain(), made::masked()];
         let scene = scene::Scene::from_meshes(made.meshes.clone(), materials)?;
         let world = World::new(Arc::new(scene), WorldOptions::default())?;
-        let backend = build(BackendKind::Obvhs(Layout::default()), &world, 1)?;
+        let backend = build(BackendKind::Obvhs(TreeKind::default()), &world, 1)?;
         let scene = rules::Scene::new(&made, &world, &*backend);
         let mut now = Vec::new();
         for point in points(&made) {

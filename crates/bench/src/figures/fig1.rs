@@ -100,7 +100,7 @@ pub fn fig1_csv(points: &[Fig1Point]) -> String {
 mod tests {
     use super::*;
 
-    use rays::{BackendKind, Layout, Surfaces, World, WorldOptions, build};
+    use rays::{BackendKind, Surfaces, TreeKind, World, WorldOptions, build};
     use render::{Lamps, Model};
     use std::sync::Arc;
 
@@ -110,7 +110,7 @@ mod tests {
         let scene = scene::load(file.as_ref()).expect("an authored scene");
         let options = WorldOptions::default();
         let world = World::new(Arc::new(scene), options).expect("the plane fits");
-        let backend = build(BackendKind::Obvhs(Layout::Cwbvh), &world, 0).expect("no library");
+        let backend = build(BackendKind::Obvhs(TreeKind::Cwbvh), &world, 0).expect("no library");
         let (surfaces, lamps) = (Surfaces::new(&world), Lamps::NONE);
         let mut direct = Direct {
             model: Model::Phong,

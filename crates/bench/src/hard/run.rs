@@ -6,7 +6,7 @@ use super::error::Error;
 use super::judge::judge;
 use super::row::Row;
 use super::{equal, input};
-use rays::{BackendKind, Layout};
+use rays::{BackendKind, TreeKind};
 
 /// Every case on every backend of this build, in the current pool of threads.
 ///
@@ -30,7 +30,7 @@ pub fn run() -> Result<Vec<Row>, Error> {
 }
 
 fn backends() -> Vec<(BackendKind, &'static str)> {
-    let mut all = vec![(BackendKind::Obvhs(Layout::default()), "obvhs")];
+    let mut all = vec![(BackendKind::Obvhs(TreeKind::default()), "obvhs")];
     if embree::header_version().is_some() {
         all.insert(0, (BackendKind::Embree, "embree"));
     }

@@ -3,7 +3,7 @@
 use crate::exact::{Open, polygon_form_factor, polygon_solid_angle};
 use atlas::{Atlas, Audit, MeshLayout, Placement, UvSource};
 use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3};
-use scene::{Format, Instance, Material, Mesh, Scene, Surface};
+use scene::{Format, Instance, Material, MaterialModel, Mesh, Scene};
 use std::f64::consts::TAU;
 
 /// Page edge in texels; the receiver fills the page.
@@ -179,7 +179,7 @@ fn scene(meshes: Vec<Mesh>) -> Scene {
         instances: instances.collect(),
         meshes,
         materials: vec![Material {
-            surface: Surface::Phong {
+            surface: MaterialModel::Phong {
                 albedo: Vec3::ONE,
                 albedo_map: None,
                 specular: Vec3::ONE,

@@ -4,7 +4,7 @@ use super::bake::Lab;
 use super::cases;
 use super::error::Error;
 use super::row::Row;
-use rays::{BackendKind, Layout};
+use rays::{BackendKind, TreeKind};
 
 /// Every row of the ten scenes at so many rays a texel, on the named backend, or on every one of this build. `each`
 /// hears of the rows of a scene as soon as they are there.
@@ -19,16 +19,16 @@ pub fn run(
     let kinds = match backend {
         Some(kind) => vec![kind],
         None if rays::has_embree() => {
-            vec![BackendKind::Embree, BackendKind::Obvhs(Layout::default())]
+            vec![BackendKind::Embree, BackendKind::Obvhs(TreeKind::default())]
         }
-        None => vec![BackendKind::Obvhs(Layout::default())],
+        None => vec![BackendKind::Obvhs(TreeKind::default())],
     };
     let mut rows = Vec::new();
     for kind in kinds {
         let backend = match kind {
             BackendKind::Embree => "embree",
-            BackendKind::Obvhs(Layout::Cwbvh) => "obvhs",
-            BackendKind::Obvhs(Layout::Bvh2) => "obvhs-bvh2",
+            BackendKind::Obvhs(TreeKind::Cwbvh) => "obvhs",
+            BackendKind::Obvhs(TreeKind::Bvh2) => "obvhs-bvh2",
         };
         let lab = Lab {
             kind,

@@ -159,7 +159,7 @@ mod tests {
     use super::super::build::{level, sheet};
     use super::*;
     use layers::Layer;
-    use rays::{BackendKind, Layout};
+    use rays::{BackendKind, TreeKind};
     use scene::Scene;
 
     /// Two abutting squares whose pages are then painted: the left 0.25, the right 0.75.
@@ -187,7 +187,7 @@ mod tests {
         );
         let scene = Scene::from_meshes(vec![left, right, up], Vec::new()).expect("a scene");
         let lab = Lab {
-            kind: BackendKind::Obvhs(Layout::default()),
+            kind: BackendKind::Obvhs(TreeKind::default()),
             backend: "obvhs",
             rays: 1,
         };

@@ -3,11 +3,11 @@
 use super::bake::Lab;
 use super::cases;
 use super::row::{Row, markdown};
-use rays::{BackendKind, Layout};
+use rays::{BackendKind, TreeKind};
 
 fn rows(test: &str, rays: u32) -> Vec<Row> {
     let lab = Lab {
-        kind: BackendKind::Obvhs(Layout::default()),
+        kind: BackendKind::Obvhs(TreeKind::default()),
         backend: "obvhs",
         rays,
     };

@@ -73,7 +73,7 @@ fn a_body_that_is_baked_from_outside_has_no_places_within() {
     beside.triangles = vec![[0, 1, 2]];
     let scene = scene::Scene::from_meshes(vec![mesh, beside], vec![material]).unwrap();
     let mut world = World::new(std::sync::Arc::new(scene), Default::default()).unwrap();
-    let kind = rays::BackendKind::Obvhs(rays::Layout::Cwbvh);
+    let kind = rays::BackendKind::Obvhs(rays::TreeKind::Cwbvh);
     let backend = rays::build(kind, &world, 1).unwrap();
     let within = places_within(&world, backend.as_ref()).len();
     world.turn_over(std::iter::empty());

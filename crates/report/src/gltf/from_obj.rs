@@ -20,7 +20,7 @@ use super::{Origins, Reason};
 use crate::preview::encode;
 use atlas::Atlas;
 use glam::Vec3;
-use scene::{Alpha, Format, Image, Material, Scene, Surface, TextureRef, Wrap};
+use scene::{Alpha, Format, Image, Material, MaterialModel, Scene, TextureRef, Wrap};
 use serde_json::{Value, json};
 use std::collections::HashMap;
 
@@ -136,11 +136,11 @@ fn material_value(
     material: &Material,
 ) -> Result<Value, Reason> {
     let (base, albedo_map) = match &material.surface {
-        Surface::Phong {
+        MaterialModel::Phong {
             albedo, albedo_map, ..
         } => (*albedo, albedo_map.as_ref()),
-        Surface::MetallicRoughness { base, base_map, .. } => (*base, base_map.as_ref()),
-        Surface::SpecularGlossiness { diffuse, .. } => {
+        MaterialModel::MetallicRoughness { base, base_map, .. } => (*base, base_map.as_ref()),
+        MaterialModel::SpecularGlossiness { diffuse, .. } => {
             unreachable!("an OBJ or built material with diffuse colour {diffuse}")
         }
     };
@@ -159,7 +159,7 @@ fn material_value(
         value["extensions"] = json!({ SPECULAR: {} });
     }
     match &material.surface {
-        Surface::MetallicRoughness {
+        MaterialModel::MetallicRoughness {
             metallic,
             roughness,
             metallic_roughness_map,
@@ -177,7 +177,7 @@ fn material_value(
                 value["extensions"][SPECULAR]["specularColorFactor"] = json!(color);
             }
         }
-        Surface::Phong {
+        MaterialModel::Phong {
             specular, exponent, ..
         } => {
             let specular = specular.clamp(Vec3::ZERO, Vec3::ONE);
@@ -192,7 +192,7 @@ fn material_value(
                     json!({ "ambake": { "Ks": specular.to_array(), "Ns": exponent } });
             }
         }
-        Surface::SpecularGlossiness { .. } => {}
+        MaterialModel::SpecularGlossiness { .. } => {}
     }
     if let Some(any) = albedo_map.or(alpha_map) {
         let texture = base_color(document, textures, scene, any, albedo_map, alpha_map)?;
@@ -249,7 +249,7 @@ fn material_value(
 /// True where the reflectance of a material's coat is not that of glTF's default.
 fn is_coated(material: &Material) -> bool {
     match material.surface {
-        Surface::MetallicRoughness { dielectric, .. } => dielectric != Vec3::splat(COAT),
+        MaterialModel::MetallicRoughness { dielectric, .. } => dielectric != Vec3::splat(COAT),
         _ => true,
     }
 }

@@ -2,7 +2,7 @@
 
 use super::support::{assert_valid, corners, layout, open, write};
 use glam::Vec3;
-use scene::{Scene, Surface, phong_from_metallic_roughness};
+use scene::{MaterialModel, Scene, phong_from_metallic_roughness};
 use serde_json::{Value, json};
 use std::fs;
 
@@ -124,20 +124,20 @@ fn materials_of_an_obj_scene_come_back_as_they_were() {
     let after = scene::load(&path).unwrap();
     let phong = |scene: &Scene| {
         let of = |mesh: &scene::Mesh| match &scene.materials[mesh.material as usize].surface {
-            Surface::Phong {
+            MaterialModel::Phong {
                 albedo,
                 specular,
                 exponent,
                 ..
             } => (*albedo, *specular, *exponent),
-            Surface::MetallicRoughness {
+            MaterialModel::MetallicRoughness {
                 base,
                 metallic,
                 roughness,
                 dielectric,
                 ..
             } => phong_from_metallic_roughness(*base, *metallic, *roughness, *dielectric),
-            Surface::SpecularGlossiness { .. } => unreachable!(),
+            MaterialModel::SpecularGlossiness { .. } => unreachable!(),
         };
         scene.meshes.iter().map(of).collect::<Vec<_>>()
     };

@@ -5,7 +5,7 @@ use crate::input::Input;
 use crate::material::{MAX_EXPONENT, conserving};
 use crate::validate::{Parts, clamped};
 use crate::{
-    Alpha, Error, Image, NormalMap, Packed, PackedImage, Surface, TextureRef, WarningKind,
+    Alpha, Error, Image, MaterialModel, NormalMap, Packed, PackedImage, TextureRef, WarningKind,
 };
 use glam::Vec3;
 
@@ -68,14 +68,14 @@ pub(super) fn built(
     let surface = match metal {
         None => {
             let [albedo, specular] = conserving(input, &place, [albedo, specular]);
-            Surface::Phong {
+            MaterialModel::Phong {
                 albedo,
                 albedo_map: map.clone(),
                 specular,
                 exponent,
             }
         }
-        Some(metal) => Surface::MetallicRoughness {
+        Some(metal) => MaterialModel::MetallicRoughness {
             base: albedo,
             base_map: map.clone(),
             metallic: f64::from(metal.metallic),

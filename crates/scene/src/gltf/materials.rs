@@ -11,7 +11,7 @@ use crate::source::NORMALS_STAND;
 use crate::types::UNMOVED;
 use crate::validate::{Parts, clamped};
 use crate::{
-    Alpha, Error, Material, NormalMap, Surface, TextureRef, Transmission, WarningKind, Wrap,
+    Alpha, Error, Material, MaterialModel, NormalMap, TextureRef, Transmission, WarningKind, Wrap,
 };
 use glam::Vec3;
 use serde_json::Value;
@@ -207,7 +207,7 @@ fn material(
     let base = Vec3::new(r, g, b);
     let matt = dielectric == Vec3::ZERO && metallic == 0.0 && metallic_roughness_map.is_none();
     let surface = match (gloss, phong(json).filter(|_| matt)) {
-        (Some((specular, glossiness)), _) => Surface::SpecularGlossiness {
+        (Some((specular, glossiness)), _) => MaterialModel::SpecularGlossiness {
             diffuse: base,
             diffuse_map: base_map,
             specular,
@@ -216,14 +216,14 @@ fn material(
         },
         (None, Some(Phong { specular, exponent })) => {
             let [albedo, specular] = conserving(input, &place, [base, specular]);
-            Surface::Phong {
+            MaterialModel::Phong {
                 albedo,
                 albedo_map: base_map,
                 specular,
                 exponent,
             }
         }
-        (None, None) => Surface::MetallicRoughness {
+        (None, None) => MaterialModel::MetallicRoughness {
             base,
             base_map,
             metallic,

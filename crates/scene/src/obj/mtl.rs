@@ -13,7 +13,7 @@ use crate::material::{MAX_EXPONENT, conserving};
 use crate::source::{NORMALS_STAND, beside, without_mark};
 use crate::validate::{Parts, clamped};
 use crate::{
-    Alpha, Error, Image, Material, NormalMap, Packed, PackedImage, Surface, TextureRef,
+    Alpha, Error, Image, Material, MaterialModel, NormalMap, Packed, PackedImage, TextureRef,
     WarningKind, Wrap,
 };
 use glam::Vec3;
@@ -283,7 +283,7 @@ fn material(
         (false, None) => Alpha::Opaque,
     };
     let normal_map = normal_map(input, library, raw, parts)?;
-    let surface = Surface::Phong {
+    let surface = MaterialModel::Phong {
         albedo,
         albedo_map,
         specular,

@@ -2,7 +2,7 @@
 
 use super::support::Folder;
 use ambake_scene::authored::{AlphaMode, Material, Mesh, MetallicRoughness, Placement, Texture};
-use ambake_scene::{Alpha, Error, Format, Scene, Surface, WarningKind};
+use ambake_scene::{Alpha, Error, Format, MaterialModel, Scene, WarningKind};
 use glam::{DVec3, Vec2, Vec3};
 
 /// A square of edge 1 in the plane z = 0.
@@ -100,7 +100,7 @@ fn materials_reach_the_scene_with_their_texture() {
     leaf.albedo_texture = Some(Texture::new(1, 2, vec![[255, 0, 0, 255], [0, 255, 0, 0]]));
     let scene = of_material(leaf);
     let material = &scene.materials[0];
-    let Surface::Phong {
+    let MaterialModel::Phong {
         albedo,
         albedo_map: Some(map),
         specular,

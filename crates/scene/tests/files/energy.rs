@@ -3,7 +3,8 @@
 use super::support::{Document, Folder};
 use ambake_scene::authored::{Material, Mesh};
 use ambake_scene::{
-    Scene, Surface, WarningKind, phong_from_metallic_roughness, phong_from_specular_glossiness,
+    MaterialModel, Scene, WarningKind, phong_from_metallic_roughness,
+    phong_from_specular_glossiness,
 };
 use glam::Vec3;
 use serde_json::json;
@@ -14,11 +15,11 @@ const ROUNDING: f32 = 1e-6;
 
 /// Albedo and specular reflectance of each material.
 fn reflectances(scene: &Scene) -> Vec<(Vec3, Vec3)> {
-    let of = |surface: &Surface| match *surface {
-        Surface::Phong {
+    let of = |surface: &MaterialModel| match *surface {
+        MaterialModel::Phong {
             albedo, specular, ..
         } => (albedo, specular),
-        Surface::MetallicRoughness {
+        MaterialModel::MetallicRoughness {
             base,
             metallic,
             roughness,
@@ -29,7 +30,7 @@ fn reflectances(scene: &Scene) -> Vec<(Vec3, Vec3)> {
                 phong_from_metallic_roughness(base, metallic, roughness, dielectric);
             (albedo, specular)
         }
-        Surface::SpecularGlossiness {
+        MaterialModel::SpecularGlossiness {
             diffuse, specular, ..
         } => {
             let (albedo, specular, _) = phong_from_specular_glossiness(diffuse, specular, 1.0);
@@ -249,6 +250,6 @@ fn the_highlight_that_ambake_wrote_is_read_where_the_coat_is_off() {
     }
     assert!(matches!(
         scene.materials[0].surface,
-        Surface::Phong { exponent: 30.0, .. }
+        MaterialModel::Phong { exponent: 30.0, .. }
     ));
 }

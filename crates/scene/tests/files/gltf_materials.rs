@@ -1,7 +1,7 @@
 //! Materials of glTF: factors, textures and extensions, and what is said of those that bake black.
 
 use super::support::{Document, F32, U8, U16, png};
-use ambake_scene::{Alpha, Surface, Warning, WarningKind};
+use ambake_scene::{Alpha, MaterialModel, Warning, WarningKind};
 use glam::Vec3;
 use serde_json::{Value, json};
 
@@ -42,7 +42,7 @@ fn materials_follow_the_file_and_a_primitive_without_one_is_untinted() {
     document.json["meshes"] = json!([{ "name": "m", "primitives": primitives }]);
     let scene = document.load().unwrap();
 
-    let Surface::MetallicRoughness {
+    let MaterialModel::MetallicRoughness {
         metallic,
         roughness,
         base,
@@ -53,7 +53,7 @@ fn materials_follow_the_file_and_a_primitive_without_one_is_untinted() {
     };
     assert_eq!((metallic, roughness, base), (1.0, 1.0, Vec3::ONE));
     let tinted = &scene.materials[scene.meshes[0].material as usize];
-    let Surface::MetallicRoughness {
+    let MaterialModel::MetallicRoughness {
         base,
         base_map: Some(map),
         dielectric,
@@ -92,7 +92,7 @@ fn materials_follow_the_file_and_a_primitive_without_one_is_untinted() {
     let untinted = &scene.materials[scene.meshes[1].material as usize];
     assert!(matches!(
         untinted.surface,
-        Surface::Phong {
+        MaterialModel::Phong {
             albedo: Vec3::ONE,
             specular: Vec3::ZERO,
             ..
@@ -102,7 +102,7 @@ fn materials_follow_the_file_and_a_primitive_without_one_is_untinted() {
     let reduced = &scene.materials[scene.meshes[3].material as usize];
     assert!(matches!(
         reduced.surface,
-        Surface::MetallicRoughness { base_map: None, .. }
+        MaterialModel::MetallicRoughness { base_map: None, .. }
     ));
     let kinds = [
         WarningKind::UnreadTextures,
@@ -280,7 +280,7 @@ fn specular_glossiness_and_transmission_are_read_with_their_textures() {
         warned.collect::<Vec<_>>(),
         [(WarningKind::BlackMetals, "material `material 1`")]
     );
-    let Surface::SpecularGlossiness {
+    let MaterialModel::SpecularGlossiness {
         diffuse,
         diffuse_map: Some(_),
         specular,
@@ -302,7 +302,7 @@ fn specular_glossiness_and_transmission_are_read_with_their_textures() {
             cutoff: 0.5
         }
     ));
-    let Surface::SpecularGlossiness {
+    let MaterialModel::SpecularGlossiness {
         diffuse,
         specular,
         glossiness,

@@ -1,7 +1,7 @@
 //! Larger files: nothing is lost, and memory is bounded.
 
 use super::support::{Document, Folder, U32, png};
-use ambake_scene::{Scene, Surface};
+use ambake_scene::{MaterialModel, Scene};
 use glam::Vec2;
 use serde_json::json;
 use std::fmt::Write;
@@ -70,9 +70,9 @@ fn two_hundred_thousand_triangles_load_alike_from_obj_and_glb() {
 /// The number and the red of the picture of each material.
 fn reds(scene: &Scene) -> Vec<(u32, f32)> {
     let map = |material: &ambake_scene::Material| match &material.surface {
-        Surface::MetallicRoughness { base_map, .. } => base_map.clone(),
-        Surface::Phong { albedo_map, .. } => albedo_map.clone(),
-        Surface::SpecularGlossiness { diffuse_map, .. } => diffuse_map.clone(),
+        MaterialModel::MetallicRoughness { base_map, .. } => base_map.clone(),
+        MaterialModel::Phong { albedo_map, .. } => albedo_map.clone(),
+        MaterialModel::SpecularGlossiness { diffuse_map, .. } => diffuse_map.clone(),
     };
     let maps = scene.materials.iter().map(|m| map(m).unwrap());
     maps.map(|map| (map.image, scene.color(&map, Vec2::ZERO).x))

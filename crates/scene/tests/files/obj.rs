@@ -1,7 +1,7 @@
 //! OBJ and MTL.
 
 use super::support::{Folder, png};
-use ambake_scene::{Alpha, Scene, Surface, WarningKind};
+use ambake_scene::{Alpha, MaterialModel, Scene, WarningKind};
 use glam::{Vec2, Vec3};
 
 pub fn load(text: &str) -> Scene {
@@ -84,7 +84,7 @@ fn groups_and_materials_make_parts_and_a_part_may_be_resumed() {
             ("ball", 2, 1)
         ]
     );
-    let Surface::Phong {
+    let MaterialModel::Phong {
         albedo,
         specular,
         exponent,
@@ -104,7 +104,7 @@ fn groups_and_materials_make_parts_and_a_part_may_be_resumed() {
     );
     assert_eq!(scene.materials[0].emission, Vec3::new(2.0, 3.0, 0.5));
     assert_eq!(scene.materials[1].emission, Vec3::ZERO);
-    let Surface::Phong { albedo, .. } = scene.materials[1].surface else {
+    let MaterialModel::Phong { albedo, .. } = scene.materials[1].surface else {
         panic!()
     };
     assert_eq!(albedo, Vec3::new(1.0, 1.0, 0.5));
@@ -202,7 +202,7 @@ fn lines_that_end_in_any_way_are_the_same_lines_and_have_the_same_numbers() {
         "a.obj",
         format!("mtllib a.mtl\rusemtl m\r{TRIANGLE}f 1 2 3\r"),
     );
-    let Surface::Phong { albedo, .. } = scene.unwrap().materials[0].surface else {
+    let MaterialModel::Phong { albedo, .. } = scene.unwrap().materials[0].surface else {
         panic!()
     };
     assert_eq!(albedo, Vec3::new(0.5, 0.25, 1.0));
@@ -293,7 +293,7 @@ fn names_of_any_length_stay_names_of_their_own() {
     assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
     let albedos = [0, 1].map(|mesh| {
         let material = &scene.materials[scene.meshes[mesh].material as usize];
-        let Surface::Phong { albedo, .. } = material.surface else {
+        let MaterialModel::Phong { albedo, .. } = material.surface else {
             panic!()
         };
         albedo
@@ -328,7 +328,7 @@ fn names_that_are_not_utf_8_stay_names_of_their_own() {
     let albedos: Vec<Vec3> = (scene.meshes.iter())
         .map(
             |mesh| match scene.materials[mesh.material as usize].surface {
-                Surface::Phong { albedo, .. } => albedo,
+                MaterialModel::Phong { albedo, .. } => albedo,
                 _ => panic!("a material of an OBJ"),
             },
         )

@@ -2,7 +2,7 @@
 
 use super::obj::{TRIANGLE, load};
 use super::support::{Folder, png};
-use ambake_scene::{Alpha, Surface, WarningKind, Wrap};
+use ambake_scene::{Alpha, MaterialModel, WarningKind, Wrap};
 use glam::Vec3;
 
 #[test]
@@ -80,7 +80,7 @@ fn textures_are_read_with_their_options() {
     let text =
         "mtllib b.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 1\nvt 0.25 0\nusemtl m\nf 1/1 2/2 3/1\n";
     let scene = folder.load("b.obj", text).unwrap();
-    let Surface::Phong {
+    let MaterialModel::Phong {
         albedo_map: Some(map),
         ..
     } = &scene.materials[0].surface
@@ -168,7 +168,7 @@ fn black_beside_a_picture_is_the_picture_and_is_told_of() {
         .materials
         .iter()
         .map(|material| match material.surface {
-            Surface::Phong { albedo, .. } => albedo,
+            MaterialModel::Phong { albedo, .. } => albedo,
             _ => panic!("OBJ has Phong's materials"),
         });
     let expected = [Vec3::ONE, Vec3::ZERO, Vec3::new(0.0, 0.0, 0.01)];

@@ -6,7 +6,7 @@ use ambake_scene::WarningKind::{
     self, BrokenParts, IgnoredExtensions, MissingNormalMaps, MissingTextures, MorphTargets,
     OtherScenes, Skins, TexturesWithoutUvs, UnreadTextures, UvSetsAfterAGap,
 };
-use ambake_scene::{Scene, Surface};
+use ambake_scene::{MaterialModel, Scene};
 use glam::Vec3;
 use serde_json::{Value, json};
 
@@ -54,10 +54,10 @@ fn area(scene: &Scene) -> f64 {
 /// Base colour times the mean of its texture, of the material of mesh 0.
 fn base(scene: &Scene) -> Vec3 {
     match &scene.materials[scene.meshes[0].material as usize].surface {
-        Surface::MetallicRoughness { base, base_map, .. } => base_map
+        MaterialModel::MetallicRoughness { base, base_map, .. } => base_map
             .as_ref()
             .map_or(*base, |map| *base * scene.mean_color(map)),
-        Surface::Phong { albedo, .. } => *albedo,
+        MaterialModel::Phong { albedo, .. } => *albedo,
         other => panic!("{other:?}"),
     }
 }
