@@ -58,10 +58,11 @@ fn pictures_that_are_too_much_together_stop_the_load_before_they_are_decoded() {
         .map(|i| format!("newmtl m{i}\nmap_Kd {i}.png\n"))
         .collect();
     std::fs::write(folder.join("a.mtl"), library).unwrap();
-    let obj = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m0\nf 1 2 3\n";
+    let faces = (0..COUNT).map(|i| format!("usemtl m{i}\nf 1 2 3\n"));
+    let obj = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n".to_owned() + &faces.collect::<String>();
     for (name, text, place) in [
         ("a.gltf", gltf(), "a.gltf: image 2 `2.png`: "),
-        ("a.obj", obj.into(), "2.png: material `m2`: "),
+        ("a.obj", obj, "2.png: material `m2`: "),
     ] {
         let path = folder.join(name);
         std::fs::write(&path, text).unwrap();

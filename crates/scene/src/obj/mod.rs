@@ -18,7 +18,7 @@ use crate::validate::{self, Parts};
 use crate::{Error, Instance, Material, Mesh, MeshOrigin, WarningKind, far};
 use corners::{Corners, Faces, NONE};
 use glam::{DAffine3, DVec3, Vec2, Vec3};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// What the lines of the file say, before corners become vertices.
 #[derive(Default)]
@@ -42,7 +42,10 @@ pub(crate) fn load(input: &mut Input) -> Result<Parts, Error> {
     let mut file = lines::read(input)?;
     let mut parts = Parts::default();
     // The same material for every part that names none or an unknown one; dropped again if there is no such part.
-    let library = mtl::load(input, &file.libraries, &mut parts)?;
+    let used: HashSet<&str> = (file.parts.iter())
+        .map(|&(_, material)| file.materials[material as usize].as_str())
+        .collect();
+    let library = mtl::load(input, &file.libraries, &used, &mut parts)?;
     let mut untinted_index = None;
     let mut index_of = |input: &mut Input, parts: &mut Parts, name: &str| {
         if let Some(&known) = library.get(name) {

@@ -3,6 +3,7 @@
 //! Read: `Ka`, `Kd`, `Ks`, `Ns`, `Ke`, `d`, `Tr`, `map_Kd`, `map_d`; missing ones are white, black, 0, black and
 //! opaque. A black `Kd` beside `map_Kd` is white, for else the picture would not show. Where Kd + Ks is above 1 in a channel, both are scaled down, for no surface reflects more than it receives.
 //! `Ka` serves the traditional term alone, where it is asked for. `norm`, else `map_Bump` or `bump`, is the normal map.
+//! What no face uses is not read, nor are its pictures. A statement that names no file, such as `map_Kd .`, is none.
 //! `map_Ks` is noted and left out. `illum` is not used either: which model is shown is chosen by layer.
 
 use super::options::Options;
@@ -17,7 +18,7 @@ use crate::{
     WarningKind, Wrap,
 };
 use glam::Vec3;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 /// What a texture is used for; the same file as colour and as alpha gives two images.
@@ -36,10 +37,11 @@ struct Known {
     by_content: HashMap<(Content, Role), u32>,
 }
 
-/// Reads the libraries into `parts`, in their order; the first definition of a name counts.
+/// Reads the materials `used` from the libraries into `parts`, in their order; the first definition of a name counts.
 pub(super) fn load(
     input: &mut Input,
     names: &[String],
+    used: &HashSet<&str>,
     parts: &mut Parts,
 ) -> Result<HashMap<String, u32>, Error> {
     let mut known = HashMap::new();
@@ -66,10 +68,11 @@ pub(super) fn load(
             continue;
         }
         let bytes = input.read(&path, 0)?;
-        for raw in parsed(input, &path, &bytes) {
-            if known.contains_key(&raw.name) {
+        for mut raw in parsed(input, &path, &bytes) {
+            if known.contains_key(&raw.name) || !used.contains(raw.name.as_str()) {
                 continue;
             }
+            raw.drop_nameless_maps(input, &path);
             let material = material(input, &path, &raw, parts, &mut images)?;
             known.insert(raw.name, parts.materials.len() as u32);
             parts.materials.push(material);
@@ -103,6 +106,37 @@ struct Statements {
     map_d: Option<String>,
     bump: Option<String>,
     norm: Option<String>,
+}
+
+impl Statements {
+    /// Takes away statements of pictures that name none, as programs write them of a picture without a file.
+    fn drop_nameless_maps(&mut self, input: &mut Input, library: &Path) {
+        let maps = [
+            &mut self.map_kd,
+            &mut self.map_ks,
+            &mut self.map_d,
+            &mut self.bump,
+            &mut self.norm,
+        ];
+        let nameless = maps
+            .into_iter()
+            .filter_map(|map| map.take_if(|map| !names_a_file(library, Options::of(map).file)))
+            .count();
+        input.warn(
+            WarningKind::UnreadTextures,
+            format!("material `{}`", self.name),
+            nameless as u64,
+            "a picture's statement names no file, and is left out",
+        );
+    }
+}
+
+/// False for an empty name, and for that of a folder.
+fn names_a_file(library: &Path, name: &str) -> bool {
+    let name = name.replace('\\', "/");
+    !name.ends_with('/')
+        && Path::new(&name).file_name().is_some()
+        && !beside(library, &name).is_dir()
 }
 
 /// As [`number`], rounded to 32 bits.

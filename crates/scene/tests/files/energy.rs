@@ -123,7 +123,8 @@ fn obj(pairs: &[([f32; 3], [f32; 3])]) -> Scene {
         .unwrap();
     }
     folder.write("a.mtl", library);
-    let text = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m0\nf 1 2 3\n";
+    let faces = (0..pairs.len()).map(|i| format!("usemtl m{i}\nf 1 2 3\n"));
+    let text = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n".to_owned() + &faces.collect::<String>();
     folder.load("a.obj", text).unwrap()
 }
 

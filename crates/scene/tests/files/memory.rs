@@ -120,7 +120,9 @@ fn the_same_picture_under_several_names_is_decoded_and_kept_once() {
         .map(|(i, name)| format!("newmtl m{i}\nmap_Kd {name}\n"))
         .collect();
     folder.write("a.mtl", library);
-    let text = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m0\nf 1/1 2/1 3/1\n";
+    let faces = (0..names.len()).map(|i| format!("usemtl m{i}\nf 1/1 2/1 3/1\n"));
+    let text =
+        "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\n".to_owned() + &faces.collect::<String>();
     let scene = folder.load("a.obj", text).unwrap();
     assert_eq!((scene.images.len(), reds(&scene)), (2, expected.to_vec()));
 }

@@ -49,7 +49,9 @@ fn bump_and_normal_maps_are_counted_one_each() {
     let scene = folder
         .load(
             "a.obj",
-            "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+            format!(
+                "mtllib a.mtl\n{TRIANGLE}usemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\nusemtl c\nf 1 2 3\n"
+            ),
         )
         .unwrap();
     let counted: Vec<_> = scene
@@ -174,4 +176,62 @@ fn black_beside_a_picture_is_the_picture_and_is_told_of() {
     let expected = [Vec3::ONE, Vec3::ZERO, Vec3::new(0.0, 0.0, 0.01)];
     assert_eq!(albedos.collect::<Vec<_>>(), expected);
     assert_eq!(scene.warned(WarningKind::BlackDiffuse), 2);
+}
+
+/// Four materials of the library have what is told of, and the faces have the last.
+#[test]
+fn materials_that_no_face_has_are_neither_read_nor_told_of() {
+    let folder = Folder::new();
+    let library = "newmtl black\nKd 0 0 0\nnewmtl bright\nKd 1 1 1\nKs 1 1 1\nnewmtl pictured\nmap_Kd none.png\n\
+        newmtl far\nmap_Kd ../../elsewhere.png\nbump no.png\nNs -5\nnewmtl paint\nKd 0.8 0.3 0.2\n";
+    folder.write("a.mtl", library);
+    let text = format!("mtllib a.mtl\n{TRIANGLE}usemtl black\nusemtl paint\nf 1 2 3\n");
+    let scene = folder.load("a.obj", text).expect("a scene");
+    assert_eq!(scene.warnings, []);
+    let MaterialModel::Phong { albedo, .. } =
+        scene.materials[scene.meshes[0].material as usize].surface
+    else {
+        panic!("OBJ has Phong's materials")
+    };
+    assert_eq!(
+        (albedo, scene.materials.len()),
+        (Vec3::new(0.8, 0.3, 0.2), 1)
+    );
+}
+
+#[test]
+fn a_map_that_names_a_folder_or_nothing_is_none_and_one_line_says_so() {
+    let folder = Folder::new();
+    std::fs::create_dir(folder.write("b.mtl", "").with_file_name("pictures")).expect("a folder");
+    let uvs = "vt 0 0\nvt 1 0\nvt 0 1\n";
+    for named in [
+        ".",
+        "..",
+        "./",
+        "-s 1 1 1",
+        "pictures",
+        "C:\\art\\",
+        "/art/",
+    ] {
+        // Beside a picture black would be white.
+        let library = format!("newmtl m\nKd 0 0 0\nmap_Kd {named}\nmap_Ks {named}\nbump {named}\n");
+        folder.write("a.mtl", library);
+        let text = format!("mtllib a.mtl\n{TRIANGLE}{uvs}usemtl m\nf 1/1 2/2 3/3\n");
+        let scene = folder.load("a.obj", text).expect("a scene");
+        let told: Vec<_> = scene.warnings.iter().map(|w| (w.kind, w.count)).collect();
+        let expected = [
+            (WarningKind::UnreadTextures, 3),
+            (WarningKind::BlackDiffuse, 1),
+        ];
+        assert_eq!(told, expected, "{named}");
+        let material = &scene.materials[0];
+        let MaterialModel::Phong {
+            albedo, albedo_map, ..
+        } = &material.surface
+        else {
+            panic!("OBJ has Phong's materials")
+        };
+        assert!(*albedo == Vec3::ZERO && albedo_map.is_none(), "{named}");
+        assert!(material.normal_map.is_none(), "{named}");
+    }
 }
