@@ -306,6 +306,11 @@ fn wrong_words_are_one_line_and_leave_no_folder() {
         (&["--at=1,2"], "three numbers"),
         (&["--at=0,1,0", "--for=bevy"], "--grid"),
         (&["--grid=2x2x2", "--for=unreal"], "takes no probes"),
+        (
+            &["--grid=2x2x2", "--for=three,gltf"],
+            "add --reflections X,Y,Z",
+        ),
+        (&["--at=0,1,0", "--for=blender"], "add --reflections X,Y,Z"),
         (&["--grid=2x2x2", "--rays=8"], "64"),
         (&["--grid=2x2x2", "--refine=0"], "above 0"),
         (&["--at=0,1,0", "--refine=0.1"], "--refine"),

@@ -125,7 +125,12 @@ pub fn probe_files(
             }
             // They take the pictures of reflections.
             Engine::Gltf | Engine::Blender if !set.reflections.is_empty() => {}
-            Engine::Gltf | Engine::Blender | Engine::Unreal => {
+            Engine::Gltf | Engine::Blender => {
+                let problem = "it takes reflection maps and no probes; add --reflections X,Y,Z, or take bevy, \
+                               godot, three or unity";
+                return Err(refused(&format!("--for {}", engine.name()), problem));
+            }
+            Engine::Unreal => {
                 let problem = "takes no probes from files; there are bevy, godot, three and unity";
                 return Err(refused(&format!("--for {}", engine.name()), problem));
             }
