@@ -180,6 +180,122 @@ fn what_stands_around_everything_in_the_dark_is_named() {
     assert!(told(&report(baked.path())).is_empty());
 }
 
+/// A box whose front is outward, as an object.
+fn cuboid(name: &str, low: [f64; 3], high: [f64; 3]) -> String {
+    let mut text = format!("o {name}\n");
+    for k in 0..8 {
+        let [x, y, z] = [0, 1, 2].map(|axis| [low, high][k >> axis & 1][axis]);
+        text += &format!("v {x} {y} {z}\n");
+    }
+    let sides = [
+        [1, 3, 4, 2],
+        [5, 6, 8, 7],
+        [1, 2, 6, 5],
+        [3, 7, 8, 4],
+        [1, 5, 7, 3],
+        [2, 4, 8, 6],
+    ];
+    for side in sides {
+        let corners = side.map(|corner: i32| (corner - 9).to_string());
+        text += &format!("f {}\n", corners.join(" "));
+    }
+    text
+}
+
+/// A convex body under the open sky is 1. In the body around it, it is buried, though others stand out of that.
+#[test]
+fn what_lies_whole_in_a_solid_is_named_with_the_flags_that_mend_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let hull = cuboid("hull", [-2.0; 3], [2.0; 3]);
+    let others = ["flag", "mast"].map(|name| {
+        let x = if name == "flag" { 400.0 } else { -400.0 };
+        cuboid(name, [x, 0.0, 0.0], [x + 2.0, 2.0, 2.0])
+    });
+    let small = ["--size", "64", "--rays", "4", "--only", "diffuse,object"];
+    let told = |within: &str, more: &[&str]| {
+        let text = [&hull, within, &others.concat()].concat();
+        let path = obj(folder.path(), "", &text);
+        let (baked, page) = bake(&path, &[&small[..], more].concat());
+        let report = report(baked.path());
+        let warnings = report["warnings"].as_array().expect("a list").iter();
+        let own = warnings.filter(|warning| warning["kind"] == "enclosed");
+        let lines = own.map(|warning| format!("{}: {}", warning["place"], warning["message"]));
+        (lines.collect::<Vec<_>>(), page)
+    };
+    let car = cuboid("car", [-1.0; 3], [1.0; 3]);
+    let (lines, _) = told(&car, &[]);
+    assert!(
+        lines.len() == 1
+            && lines[0].contains("object `hull`")
+            && lines[0].contains("`car`:")
+            && lines[0].contains("`--no-cast hull --exclude hull`")
+            && lines[0].contains("`--exclude car`"),
+        "{lines:?}"
+    );
+    let two = car.clone() + &cuboid("wheel", [1.0, -1.0, -1.0], [1.9, 0.0, 0.0]);
+    let (lines, _) = told(&two, &["--max-distance", "9"]);
+    assert!(
+        lines.len() == 1 && lines[0].contains("`car` and of 1 more:"),
+        "{lines:?}"
+    );
+    let (lines, page) = told(&car, &["--no-cast", "hull", "--exclude", "hull"]);
+    let light = of_object(&page, 1.0, "diffuse");
+    assert!(lines.is_empty() && light > 0.999, "{lines:?}, {light}");
+    for (what, within) in [
+        (
+            "a core of less than a hundredth",
+            cuboid("core", [-0.2; 3], [0.2; 3]),
+        ),
+        ("a half", cuboid("half", [-1.0; 3], [5.0, 1.0, 1.0])),
+        (
+            "a post through",
+            cuboid("post", [-0.5, -3.0, -0.5], [0.5, 3.0, 0.5]),
+        ),
+    ] {
+        assert_eq!(told(&within, &[]).0, [""; 0], "{what}");
+    }
+    assert_eq!(
+        told(&car, &["--exclude", "car"]).0,
+        [""; 0],
+        "it takes no texels"
+    );
+}
+
+/// A track of 2.4 by 60 in the middle of a tunnel of radius 2 that is open at both ends.
+#[test]
+fn a_tunnel_with_open_ends_keeps_the_sky_from_no_track() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let told = |length: f64| {
+        let mut text = "o tunnel\n".to_owned();
+        for k in 0..24 {
+            let (y, x) = (f64::from(k) * std::f64::consts::TAU / 24.0).sin_cos();
+            for z in [0.0, -length] {
+                text += &format!("v {} {} {z}\n", 2.0 * x, 2.0 + 2.0 * y);
+            }
+        }
+        for k in 0..24 {
+            let [a, b] = [k, (k + 1) % 24].map(|k| 2 * k + 1);
+            text += &format!("f {b} {} {} {a}\n", b + 1, a + 1);
+        }
+        text += "o track\n";
+        for [x, z] in [[-1.2, 0.0], [1.2, 0.0], [1.2, -length], [-1.2, -length]] {
+            text += &format!("v {x} 0.5 {z}\n");
+        }
+        let path = obj(folder.path(), "", &(text + "f -4 -3 -2 -1\n"));
+        let small = ["--size", "64", "--rays", "64", "--only", "diffuse,object"];
+        let (baked, page) = bake(&path, &small);
+        let report = report(baked.path());
+        let mut warnings = report["warnings"].as_array().expect("a list").iter();
+        let line = warnings.find(|warning| warning["kind"] == "enclosed");
+        (page, line.map(|line| line["message"].to_string()))
+    };
+    let (page, line) = told(60.0);
+    let light = of_object(&page, 1.0, "diffuse");
+    assert!(light > 0.02 && line.is_none(), "{light}: {line:?}");
+    let line = told(6000.0).1.expect("a line");
+    assert!(line.contains("sees next to no sky"), "{line}");
+}
+
 /// Two sheets that cross under the open sky: what of each lies below the other is dark, and neither is a dome.
 #[test]
 fn a_sea_over_the_half_of_a_beach_is_no_dome() {

@@ -1,8 +1,10 @@
 //! Finds what stands around everything and keeps the sky from it, such as a sky dome.
 
 use crate::job::Job;
-use crate::shell::over;
-use atlas::ObjectName;
+use crate::points::points_on;
+use crate::shell::{Stand, over};
+use crate::swallowed::{Swallowed, swallowed};
+use atlas::{ObjectName, SurfacePoint};
 use glam::DVec3;
 use rays::{Bounds, Ray, RayBackend, World};
 use report::WarningReport;
@@ -14,41 +16,67 @@ const LARGE: f64 = 0.49;
 const NEAR: f64 = 0.001;
 /// So many objects may be a dome, the largest ones.
 const CANDIDATES: usize = 4;
-/// So many of the objects in it are asked what they see, and so many faces of each.
+/// So many of the objects in it are asked what they see, at so many points of each, and so many faces of each instance
+/// whether they lie in a solid.
 const OBJECTS: usize = 64;
+const POINTS: u32 = 64;
 const FACES: u32 = 32;
-/// Of the rays of faces that see it, or the sky, one in so many may leave it.
+/// Of the rays of points that see it, or the sky, one in so many may leave it.
 const LEAVING: u32 = 200;
 /// One in so many meets it, and of these one in so many may meet something beyond it.
 const MEETING: u32 = 10;
 /// Of the faces in a closed body one in so many may lie in no solid.
 const FREE: usize = 16;
 
-/// The warning that names a sheet around most of a scene, which hides the sky from all that is in it. `None` where
-/// light was asked for that needs no sky.
+/// The warning that names a sheet around most of a scene, which hides the sky from all that is in it, or a solid that
+/// holds something large. What is around most of a scene does not count where light was asked for that needs no sky.
 pub(crate) fn enclosed(job: &Job) -> Option<WarningReport> {
-    if job.options().max_distance.is_some() || job.has_lamps() {
-        return None;
-    }
     let (world, backend) = (job.world(), job.backend());
-    let (dome, message) = match sheet_around(world, backend) {
-        Some(dome) => (
-            dome,
-            "what stands in it sees no sky; where it is a sky dome or a shell, `--no-cast NAME` lets the light \
-             through it",
-        ),
-        None => (
-            find(world, |dome, within| buries(world, dome, within))?,
-            "what stands in a body that looks outward lies in a solid and gets no light; where the body is a sky dome \
-             or a shell, `--no-cast NAME` lets the light through it",
-        ),
+    let needs_sky = job.options().max_distance.is_none() && !job.has_lamps();
+    let sheet = || {
+        let dome = sheet_around(world, backend)?;
+        let message = "what stands in it sees next to no sky; where it is a sky dome or a shell, `--no-cast NAME` lets \
+                       the light through it";
+        Some((dome.name, message.to_owned()))
     };
+    let solid = || {
+        let dome = find(world, |dome, within| buries(world, dome, within))?;
+        let message = "what stands in a body that looks outward lies in a solid and gets no light; where the body is a \
+                       sky dome or a shell, `--no-cast NAME` lets the light through it";
+        Some((dome.name, message.to_owned()))
+    };
+    let around = needs_sky.then(|| sheet().or_else(solid)).flatten();
+    let (name, message) = around.or_else(|| holder(job))?;
     Some(WarningReport {
         kind: "enclosed".into(),
-        place: format!("object `{}`", dome.name),
+        place: format!("object `{name}`"),
         count: 1,
-        message: message.into(),
+        message,
     })
+}
+
+/// The name of an object in which others lie whole, and the warning about it.
+fn holder(job: &Job) -> Option<(String, String)> {
+    let takes_texels = |of: &ObjectName| {
+        let placements = &job.atlas().placements;
+        let mut instances = of.instances.iter();
+        instances.any(|&instance| placements[instance as usize].is_somewhere())
+    };
+    let Swallowed {
+        holder,
+        largest,
+        others,
+    } = swallowed(job.world(), takes_texels)?;
+    let more = match others {
+        0 => String::new(),
+        _ => format!(" and of {others} more"),
+    };
+    let message = format!(
+        "this solid holds nearly all of object `{largest}`{more}: no light gets there, and nobody sees it; where the \
+         solid is not to be drawn, as a body for collisions, `--no-cast {holder} --exclude {holder}` leaves it out, \
+         and elsewhere `--exclude {largest}` saves texels"
+    );
+    Some((holder, message))
 }
 
 /// The instances of what stands around most of a scene and keeps the sky from it, such as a sky dome that blocks light;
@@ -122,8 +150,8 @@ struct Counts {
     beyond: u32,
 }
 
-/// True where next to no ray from faces of some objects leaves the scene, many meet a further one first, and nothing is
-/// beyond it. Faces before which other things stand all around do not count.
+/// True where next to no ray from some objects leaves the scene, many meet a further one first, and nothing is
+/// beyond it. Points before which other things stand all around do not count.
 fn is_sheet_around(
     world: &World,
     backend: &dyn RayBackend,
@@ -131,8 +159,9 @@ fn is_sheet_around(
     within: &[&ObjectName],
 ) -> bool {
     let mut sums = Counts::default();
-    for (instance, triangle) in some_faces(world, within) {
-        let of = from_face((world, backend), sheet, instance, triangle);
+    let points = within.iter().flat_map(|of| points_on(world, of, POINTS));
+    for point in points {
+        let of = from_point((world, backend), sheet, &point);
         if of.met + of.left > 0 {
             sums.cast += of.cast;
             sums.left += of.left;
@@ -183,38 +212,32 @@ fn buries(world: &World, solid: &ObjectName, objects: &[&ObjectName]) -> bool {
     !bodies.is_empty() && all > 0 && FREE * free <= all
 }
 
-/// What becomes of rays from the middle of a face; nothing of one that is buried, as the bottom of what stands on a
+/// What becomes of rays from a point of a surface; nothing of one that is buried, as the bottom of what stands on a
 /// ground, which looks out below it.
-fn from_face(
+fn from_point(
     (world, backend): (&World, &dyn RayBackend),
     sheet: &ObjectName,
-    instance: u32,
-    triangle: u32,
+    point: &SurfacePoint,
 ) -> Counts {
-    let off = 1e-5 * world.bounds().diagonal();
-    let ray = |origin: DVec3, direction: DVec3| Ray {
-        origin: origin.as_vec3().to_array(),
-        direction: direction.as_vec3().to_array(),
-        t_min: 0.0,
-        t_max: f32::INFINITY,
-    };
     let mut counts = Counts::default();
-    let Some(normal) = world.face(instance, triangle).try_normalize() else {
+    let Some(stand) = Stand::at(world, point) else {
         return counts;
     };
-    if world.is_buried(instance, triangle, [1.0 / 3.0; 3]) {
+    if world.is_buried(point.instance, point.triangle, point.weights) {
         return counts;
     }
-    let middle = world.corners(instance, triangle).iter().sum::<DVec3>() / 3.0;
-    let origin = middle + normal * off;
-    for direction in over(normal) {
+    for direction in over(stand.normal) {
         counts.cast += 1;
-        match backend.closest(&ray(origin, direction)) {
+        let ray = stand.ray(stand.normal, direction);
+        match backend.closest(&ray) {
             None => counts.left += 1,
             Some(hit) if sheet.instances.contains(&hit.instance) => {
-                let beyond = origin + direction * (f64::from(hit.t) + off);
+                let beyond = Ray {
+                    t_min: hit.t + stand.off as f32,
+                    ..ray
+                };
                 counts.met += 1;
-                counts.beyond += u32::from(backend.occluded(&ray(beyond, direction)));
+                counts.beyond += u32::from(backend.occluded(&beyond));
             }
             Some(_) => {}
         }

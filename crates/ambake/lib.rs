@@ -80,10 +80,10 @@
 //!   `words.rs`. A bake between plan and result: `job.rs`, `run.rs` and `run_into.rs`, what it warns of `warnings.rs`.
 //!   What is written, and which names of an earlier bake go: `write`.
 //! * What a bake will take: `estimate.rs`, its memory `memory.rs`. Whether a scene is an interior: `interior.rs`,
-//!   and what stands around it: `dome.rs`.
+//!   and what stands around it: `dome.rs`; what lies whole in another object: `swallowed.rs`.
 //! * Where objects lie on pages: `object.rs`. Values at vertices: `vertices.rs`.
 //! * What can be seen: `seen.rs` for points of a triangle, `eyes.rs` for one point from places, `shell.rs` for the
-//!   outsides of rooms, `facing.rs` for faces that look the wrong way.
+//!   outsides of rooms, `facing.rs` for faces that look the wrong way, `points.rs` for points of an object.
 //! * Saved states: `resume`. Shards: `shard.rs`, `parts.rs` and `merge.rs`. Updates: `update.rs`, their files
 //!   `state.rs`. The atlas alone: `layout.rs`,
 //!   its files `layout_files.rs`.
@@ -131,6 +131,7 @@ mod object;
 mod options;
 #[cfg(feature = "write")]
 mod parts;
+mod points;
 #[cfg(feature = "write")]
 mod probes;
 #[cfg(feature = "write")]
@@ -145,6 +146,7 @@ mod shard;
 mod shell;
 mod sky;
 mod state;
+mod swallowed;
 mod update;
 mod vertices;
 mod warnings;

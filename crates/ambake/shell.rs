@@ -27,11 +27,11 @@ pub(crate) fn over(normal: DVec3) -> impl Iterator<Item = DVec3> {
 
 /// A point of a surface as rays leave it.
 pub(crate) struct Stand {
-    place: DVec3,
+    pub place: DVec3,
     /// The unit normal on the lit side.
     pub normal: DVec3,
     /// How far off the surface rays in 32 bits begin.
-    off: f64,
+    pub off: f64,
 }
 
 impl Stand {

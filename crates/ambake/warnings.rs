@@ -181,7 +181,7 @@ impl Job {
     /// Objects with texels that are named as bodies for collisions or as navigation meshes, which nobody sees.
     fn collision_bodies(&self) -> Option<WarningReport> {
         let message = "bodies for collisions and navigation meshes, by their names, take texels and block light; where \
-                       nobody is to see them, `--exclude NAME` leaves them out";
+                       nobody is to see them, `--no-cast NAME --exclude NAME` leaves them out";
         let instances = &self.scene().instances;
         self.of_objects("collision-bodies", message, |instance| {
             is_named_as_undrawn(&instances[instance as usize].name)
