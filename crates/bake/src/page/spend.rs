@@ -450,7 +450,7 @@ mod tests {
             ..Default::default()
         };
         let atlas = atlas::layout(&scene, &layout, &|| false).expect("a layout");
-        let kind = rays::BackendKind::Obvhs(rays::Layout::default());
+        let kind = rays::BackendKind::Obvhs(rays::TreeKind::default());
         let backend = rays::build(kind, &world, 0).expect("a backend");
         let page = |options: &Options, seeks: bool| {
             let baker = Baker::new(&world, &plan, backend.as_ref(), &atlas, options);
