@@ -14,20 +14,15 @@ use super::lanes::{LANES, Lanes};
 use super::plane::{About, Room, Sheet, rows};
 use super::surface::Surface;
 
-/// Fits that compete, from fine to coarse: a stride, and whether its quadratic and its linear fits do.
-pub(super) type Fits = [(usize, [bool; 2])];
-
-/// Those of a page. A quadratic fit has about the variance of the linear one of half the stride, and less bias.
-pub(super) const FITS: &Fits = &[
+/// Fits that compete, from fine to coarse: a stride, and whether its quadratic and its linear fits do. A quadratic fit
+/// has about the variance of the linear one of half the stride, and less bias.
+const FITS: [(usize, [bool; 2]); 5] = [
     (2, [true, false]),
     (4, [true, true]),
     (8, [true, true]),
     (16, [true, false]),
     (32, [false, true]),
 ];
-
-/// Those of a page of which only the errors are asked for: these are as large but for some hundredths.
-pub(super) const ROUGH: &Fits = &[(2, [true, false]), (8, [true, false]), (32, [false, true])];
 
 /// Rows on each side of a texel that its value depends on: fewer than a window of the widest stride, which is two
 /// strides; 16 over which moves are averaged and 5 over which those of neighbours are pooled; and 5 from which strays
@@ -78,19 +73,20 @@ impl Chosen {
 
 /// What is chosen for the texels of a surface; `None` where the halves agree everywhere.
 ///
+/// * `largest`: the largest value that there is.
 /// * `dark`: the standard error of a neighbourhood of so many texels without light, from that of its texel.
 pub(super) fn choose(
     surface: &Surface,
-    fits: &Fits,
+    largest: f32,
     dark: impl Fn(f32, f32) -> f32 + Sync,
 ) -> Option<Chosen> {
-    let mut choice = Choice::begin(surface, dark)?;
+    let mut choice = Choice::begin(surface, largest, dark)?;
     let mut fitter = Fitter::new(surface);
     let mut before = surface.data.clone();
     let mut fitted = [0; 2].map(|_| Sheet::new(surface.size(), before.planes));
     // Windows that reach beyond all of it are like those of half the stride.
     let extent = surface.size().into_iter().fold(0, usize::max);
-    for &(stride, mut degrees) in fits.iter().filter(|(stride, _)| *stride < 2 * extent) {
+    for (stride, mut degrees) in FITS.into_iter().filter(|(stride, _)| *stride < 2 * extent) {
         degrees[1] |= stride >= extent;
         let [quadratic, linear] = fitted.each_mut();
         fitter.fit(stride, [(degrees[0], quadratic), (degrees[1], linear)]);
@@ -119,6 +115,8 @@ struct Choice<'a> {
     state: Sheet,
     /// Squares of halves and of moves.
     pair: Sheet,
+    /// What a unit is of the largest value.
+    share: f32,
     /// The mean variance of plain values, and their sum.
     unit: f32,
     all_plain: f64,
@@ -126,7 +124,11 @@ struct Choice<'a> {
 
 impl<'a> Choice<'a> {
     /// Begins with the plain values.
-    fn begin(surface: &'a Surface, dark: impl Fn(f32, f32) -> f32 + Sync) -> Option<Self> {
+    fn begin(
+        surface: &'a Surface,
+        largest: f32,
+        dark: impl Fn(f32, f32) -> f32 + Sync,
+    ) -> Option<Self> {
         let (mask, data) = (&surface.mask, &surface.data);
         let size @ [width, height] = surface.size();
         let channels = data.planes - 1;
@@ -189,6 +191,7 @@ impl<'a> Choice<'a> {
             plain,
             state,
             pair,
+            share: largest.recip(),
             unit,
             all_plain,
         })
@@ -198,6 +201,7 @@ impl<'a> Choice<'a> {
     fn try_fit(&mut self, stride: usize, before: &Sheet, now: &Sheet) {
         let [width, height] = self.surface.size();
         let (data, channels, unit) = (&self.surface.data, self.channels, self.unit);
+        let share = self.share;
         let half = channels;
         let all_fitted = self.pair.fill(|y, [squares, moves]| {
             let mut means = <[Mean; 2]>::default();
@@ -247,11 +251,11 @@ impl<'a> Choice<'a> {
                         // Its own noise must not speak for or against a texel's choice.
                         let moves = (moves[x] - own_moves[x]) / larger(count - 1.0, 1.0);
                         let bias = biases[x] + larger(moves - STANDS_OUT * noise, 0.0);
-                        // A texel of twice the value has twice the variance: two rays that meet in the dark are no
-                        // detail.
-                        let brighter = plain_m[x] / larger(m[x], f32::MIN_POSITIVE);
+                        // A texel of another value has another variance: two rays that meet in the dark are no detail,
+                        // nor are two that miss in the light.
+                        let other = spreads(plain_m[x], share) / spreads(m[x], share);
                         let alone = moved([m[x], plain_m[x]], [h[x], plain_h[x]])
-                            - REFUSES * plain[x] * larger(brighter, 1.0);
+                            - REFUSES * plain[x] * larger(other, 1.0);
                         risks[x] = larger(variance + bias, alone);
                         own[x] = variance;
                         variances[x] = variance;
@@ -413,6 +417,15 @@ impl Mean {
 fn moved([m, before_m]: [f32; 2], [h, before_h]: [f32; 2]) -> f32 {
     let (dm, dh) = (m - before_m, h - before_h);
     dm * dm - dh * dh
+}
+
+/// The variance of single rays of this mean, each of which brings all of the largest value or nothing: at the dark end it
+/// is as the mean, and at the other as what is missing, of which there is always a thousandth.
+///
+/// * `share`: what a unit of the mean is of the largest value; 0 where there is none.
+#[inline(always)]
+fn spreads(mean: f32, share: f32) -> f32 {
+    larger(mean, f32::MIN_POSITIVE) * (1.0 - smaller(mean * share, 0.999))
 }
 
 /// The larger of two numbers, in one instruction.

@@ -24,7 +24,7 @@ mod surface;
 use crate::seams::SeamPoint;
 use beyond::{Beyond, Borders};
 use charts::{Area, Band, Charts, Run, charts};
-use choose::{Chosen, FITS, Fits, ROUGH, choose};
+use choose::{Chosen, choose};
 use features::Features;
 pub(crate) use field::Field;
 use plane::{Sheet, TASK};
@@ -104,7 +104,6 @@ pub(crate) struct Denoiser<'a> {
     charts: Charts,
     features: Features,
     borders: Borders<'a>,
-    fits: &'static Fits,
     at_a_time: usize,
 }
 
@@ -117,16 +116,7 @@ impl<'a> Denoiser<'a> {
             features: Features::new(field, &charts, AT_A_TIME),
             borders: Borders::new(seams, &charts, field),
             charts,
-            fits: FITS,
             at_a_time: AT_A_TIME,
-        }
-    }
-
-    /// The same by fewer fits, for what only says how large errors are; charts go on in no others.
-    pub fn rough(field: &Field<'_>) -> Self {
-        Self {
-            fits: ROUGH,
-            ..Self::new(field, &[])
         }
     }
 
@@ -197,7 +187,7 @@ impl<'a> Denoiser<'a> {
             .in_lanes();
         let part = |band: &Band| {
             let surface = self.surface(number, &area, &beyond, band, term);
-            let chosen = choose(&surface, self.fits, agreed)?;
+            let chosen = choose(&surface, term.largest, agreed)?;
             let steep = steepness(&surface.mask, &chosen.0, Chosen::VALUES);
             // A band may fill its page, and what follows needs room of its own.
             drop(surface);

@@ -25,7 +25,7 @@ const EDGE: [u32; 2] = [4, 8];
 const DARK: f64 = 0.5;
 
 /// Texels beside the border of a tile that have more light than this are not asked whether a seal ends in them
-/// that lies in the next.
+/// that lies in the next: there, all along the border, it would have begun.
 const BRIGHT: f64 = 0.75;
 
 /// A texel and a place of its unit square.
@@ -42,12 +42,34 @@ pub(crate) fn seals(task: &Task<'_>, texels: &[Texel], terms: &[Terms]) -> Vec<f
         whole[i] = is_sealed;
     }
     let neighbours = Neighbours::of(texels);
-    let ends = |&i: &usize| {
-        let is_at_border = neighbours.is_at_border(i) && light(i) <= BRIGHT;
-        can_be(i) && (is_at_border || neighbours.of_texel(i).any(|j| whole[j] != whole[i]))
-    };
-    let ends: Vec<usize> = (0..texels.len()).filter(ends).collect();
     let edge = (task.rays / 4).isqrt().clamp(EDGE[0], EDGE[1]);
+    let ends_beside = |&i: &usize| neighbours.of_texel(i).any(|j| whole[j] != whole[i]);
+    let (mut ends, others): (Vec<usize>, Vec<usize>) = (0..texels.len())
+        .filter(|&i| can_be(i))
+        .partition(ends_beside);
+    let outer = (others.into_iter())
+        // Of a part of a texel, corners are not where its sides are.
+        .filter(|&i| light(i) <= BRIGHT && !texels[i].seen.is_part())
+        .flat_map(|i| sides_at_border(&texels[i]).map(move |side| (i, side)));
+    let outer: Vec<(usize, [u32; 2])> = outer.collect();
+    let corners = outer.iter().flat_map(|&(i, side)| {
+        side.map(|corner| {
+            (
+                i,
+                in_grid([corner % 2, corner / 2].map(|k| k * (edge - 1)), edge),
+            )
+        })
+    });
+    let found = sealed(task, texels, &corners.collect::<Vec<Place>>());
+    // A middle that is sealed and a side that is not, or the other way round, have an end between them.
+    let found = outer.iter().zip(found.chunks_exact(2));
+    ends.extend(
+        found
+            .filter(|((i, _), found)| **found == [!whole[*i]; 2])
+            .map(|((i, _), _)| i),
+    );
+    ends.sort_unstable();
+    ends.dedup();
     let all = |is_sealed: bool| if is_sealed { edge * edge } else { 0 };
     let mut counts: Vec<u32> = whole.iter().map(|&is| all(is)).collect();
     // Corners first: where they agree, the rest mostly does.
@@ -84,7 +106,7 @@ fn count(
     let grid = (0..edge * edge).map(|k| [k % edge, k / edge]);
     let grid: Vec<[f64; 2]> = grid
         .filter(|&[x, y]| wanted(is_end(x) && is_end(y)))
-        .map(|place| place.map(|k| (f64::from(k) + 0.5) / f64::from(edge)))
+        .map(|place| in_grid(place, edge))
         .collect();
     let places = which
         .iter()
@@ -94,6 +116,26 @@ fn count(
     counts
         .map(|found| found.iter().map(|&is| u32::from(is)).sum())
         .collect()
+}
+
+/// The middle of a cell of a texel that has so many of them along an edge.
+fn in_grid(cell: [u32; 2], edge: u32) -> [f64; 2] {
+    cell.map(|k| (f64::from(k) + 0.5) / f64::from(edge))
+}
+
+/// The two corners, row-major, of each side of a texel that the next tile lies beyond.
+fn sides_at_border(texel: &Texel) -> impl Iterator<Item = [u32; 2]> + use<> {
+    let [left, top] = [texel.x, texel.y].map(|at| at % TILE == 0);
+    let [right, bottom] = [texel.x, texel.y].map(|at| at % TILE == TILE - 1);
+    let sides = [
+        (left, [0, 2]),
+        (right, [1, 3]),
+        (top, [0, 1]),
+        (bottom, [2, 3]),
+    ];
+    sides
+        .into_iter()
+        .filter_map(|(is_border, side)| is_border.then_some(side))
 }
 
 /// Which places have something close above them.
@@ -144,10 +186,5 @@ impl<'a> Neighbours<'a> {
         let places = about(own.y).flat_map(move |y| about(own.x).map(move |x| y * TILE + x));
         let found = places.filter_map(|place| usize::from(self.at[place as usize]).checked_sub(1));
         found.filter(move |&j| self.texels[j].object == own.object)
-    }
-
-    fn is_at_border(&self, i: usize) -> bool {
-        let ends = |at: u32| [0, TILE - 1].contains(&(at % TILE));
-        ends(self.texels[i].x) || ends(self.texels[i].y)
     }
 }

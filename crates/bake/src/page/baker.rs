@@ -2,7 +2,6 @@
 
 use super::finish::{Site, finish};
 use super::planes::{BakedPage, LayerPlanes};
-use super::spend::Spent;
 use super::stats::PageStats;
 use super::surveys::Surveys;
 use super::terms::working_layers;
@@ -43,7 +42,7 @@ pub struct Baker<'a> {
     /// It only says how large errors are, by points of its own.
     pub(super) is_pilot: bool,
     /// How many rays tiles take, by page.
-    pub(super) spent: Vec<OnceLock<Spent>>,
+    pub(super) rays: Vec<OnceLock<Vec<u32>>>,
     /// Texels finished so far, over all pages.
     done: AtomicU64,
 }
@@ -108,7 +107,7 @@ impl<'a> Baker<'a> {
             rasters: Rasters::default(),
             surveys: Arc::default(),
             is_pilot: false,
-            spent: (0..atlas.page_count).map(|_| OnceLock::new()).collect(),
+            rays: (0..atlas.page_count).map(|_| OnceLock::new()).collect(),
             done: AtomicU64::new(0),
         }
     }
@@ -241,16 +240,15 @@ impl<'a> Baker<'a> {
     ) -> Result<bool, E> {
         progress.phase("baking");
         let columns = Columns::of(&self.layers());
-        let spent = (!wanted.is_empty()).then(|| self.spent(page));
+        let rays = (!wanted.is_empty()).then(|| self.rays(page));
         let taking = Mutex::new((take, Ok(())));
         let tile = |&index: &u32| {
             if progress.cancelled() {
                 return None;
             }
-            let result = spent?.tile(index).unwrap_or_else(|rays| {
-                let texels = self.texels(raster, page, index as usize);
-                self.result(index, &columns, &self.tile(texels, page, rays))
-            });
+            let rays = rays?[index as usize];
+            let texels = self.texels(raster, page, index as usize);
+            let result = self.result(index, &columns, &self.tile(texels, page, rays));
             let own = result.stats.texels;
             let done = self.done.fetch_add(own, Ordering::Relaxed) + own;
             progress.rays(result.stats.rays);

@@ -66,7 +66,7 @@ pub(super) fn settle(page: &mut BakedPage, site: &Site<'_>, values: &[Layer]) {
     if options.denoise == Denoise::Regression {
         let mut terms = terms(options, plan);
         terms.retain(|term| values.contains(&term.value));
-        let denoisers = [Denoiser::rough(&field(page))];
+        let denoisers = [Denoiser::new(&field(page), &[])];
         denoise_by(page, &terms, options, (&denoisers, None));
     }
 }

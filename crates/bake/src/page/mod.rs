@@ -9,6 +9,7 @@ mod integrated;
 mod joined;
 mod pilot;
 mod planes;
+mod sample;
 mod share;
 mod spend;
 mod stats;

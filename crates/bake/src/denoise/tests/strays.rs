@@ -1,6 +1,7 @@
 //! Single bright texels, patches of them and lines: which are detail, and which grain.
 
 use super::{SIZE, made, one_object};
+use rays::Mix;
 
 #[test]
 fn a_lonely_bright_ray_in_the_dark_is_no_detail() {
@@ -91,4 +92,25 @@ fn a_line_of_light_leaves_no_band_of_grain_and_keeps_its_light() {
         .map(|&i| (f64::from(values[i]) - made.truth[i]).powi(2));
     let rms = (squares.sum::<f64>() / beside.len() as f64).sqrt();
     assert!(rms < 0.3 * noise, "{rms}");
+}
+
+#[test]
+fn two_rays_that_are_stopped_by_chance_leave_no_dark_texel() {
+    // Eight rays each of a bright wall, of which one in eighty is stopped: some texels lose one in either half.
+    let (rays, stopped) = (4, 0.013);
+    let mut made = made(21, |_, _| 1.0 - 0.013, |_, _| 0.04, one_object);
+    let mut mix = Mix(22);
+    let mut half = || (0..rays).filter(|_| mix.unit() >= stopped).count() as f32 / rays as f32;
+    for texel in 0..SIZE * SIZE {
+        let halves = [half(), half()];
+        made.mean[texel] = 0.5 * (halves[0] + halves[1]);
+        made.half[texel] = 0.5 * (halves[0] - halves[1]);
+    }
+    let darkest = |values: &[f32]| made.covered().map(|i| values[i]).fold(1.0, f32::min);
+    let both = made
+        .covered()
+        .filter(|&i| made.mean[i] < 0.8 && made.half[i] == 0.0);
+    assert!(both.count() > 5 && darkest(&made.mean) <= 0.75);
+    let (values, _) = made.denoised();
+    assert!(darkest(&values) > 0.9, "{}", darkest(&values));
 }

@@ -54,7 +54,6 @@ fn floor() -> Scene {
 
 /// The page of that floor, and the points on its seams.
 fn baked(denoise: Denoise, seams: Joins) -> (BakedPage, Vec<SeamPoint>) {
-    let scene = Arc::new(floor());
     let layers = [
         Layer::Diffuse,
         Layer::Validity,
@@ -69,19 +68,25 @@ fn baked(denoise: Denoise, seams: Joins) -> (BakedPage, Vec<SeamPoint>) {
         seams,
         ..Options::default()
     };
-    let (plan, world) = Plan::of(&scene, &options).expect("a plan");
+    page_of(floor(), &options, SIZE)
+}
+
+/// The page of this edge of a scene, and the points on its seams.
+fn page_of(scene: Scene, options: &Options, size: u32) -> (BakedPage, Vec<SeamPoint>) {
+    let scene = Arc::new(scene);
+    let (plan, world) = Plan::of(&scene, options).expect("a plan");
     let layout = atlas::Options {
-        page_size: SIZE,
+        page_size: size,
         ..Default::default()
     };
     let atlas = atlas::layout(&scene, &layout, &|| false).expect("a layout");
     let kind = rays::BackendKind::Obvhs(rays::TreeKind::default());
     let backend = rays::build(kind, &world, 0).expect("a backend");
-    let baker = Baker::new(&world, &plan, backend.as_ref(), &atlas, &options);
+    let baker = Baker::new(&world, &plan, backend.as_ref(), &atlas, options);
     let mut page = baker.start(0);
     baker.run(&mut page, &());
     assert!(page.finished);
-    let seams = Seams::find(&world, &atlas, 0, seams, baker.site().across);
+    let seams = Seams::find(&world, &atlas, 0, options.seams, baker.site().across);
     (page, seams.points().to_vec())
 }
 
@@ -166,6 +171,64 @@ fn gutters_are_filled_from_what_seams_left_and_seams_set_those_alone_that_they_r
             let others = set.iter().filter(|texel| !read.contains(texel)).count();
             assert_eq!(others, 0, "{denoise:?} {seams:?}");
             assert_eq!(set.is_empty(), seams == Joins::Off);
+        }
+    }
+}
+
+/// A box that passes through a roof: along the cut all texels of a wall are alike, whatever tile they are of.
+#[test]
+fn what_is_sealed_does_not_depend_on_tiles() {
+    let corner =
+        |k: usize| [0, 1, 2].map(|bit| [[-2.0, 2.0], [-2.0, 2.0], [0.0, 2.0]][bit][k >> bit & 1]);
+    let faces = [
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ];
+    let roof = |y: f32, up: f32| {
+        let [low, high] = [[y, 1.7 + up], [0.0, 3.2 + up]];
+        [(-2.3, low), (2.3, low), (2.3, high), (-2.3, high)].map(|(x, [y, z])| [x, y, z])
+    };
+    for step in 0..8 {
+        let up = 0.008 * step as f32;
+        let walls = quads("walls", (0..8).map(corner).collect(), &faces);
+        let sheets = [2.3, -2.3].into_iter().flat_map(|y| roof(y, up)).collect();
+        let roofs = quads("roofs", sheets, &[[0, 1, 2, 3], [4, 5, 6, 7]]);
+        let scene = Scene::from_meshes(vec![walls, roofs], Vec::new()).expect("a scene");
+        let layers = [
+            Layer::Diffuse,
+            Layer::Sealed,
+            Layer::Position,
+            Layer::Object,
+        ];
+        let options = Options {
+            effort: Effort::Rays(64),
+            layers: layers.to_vec(),
+            denoise: Denoise::Off,
+            seams: Joins::Off,
+            ..Options::default()
+        };
+        let (page, _) = page_of(scene, &options, 256);
+        let at = |channel: usize, texel: usize| fact(&page, Layer::Position, channel)[texel];
+        let mut rows: std::collections::BTreeMap<i32, Vec<f32>> = Default::default();
+        for texel in 0..page.texels() {
+            let is_wall = fact(&page, Layer::Coverage, 0)[texel] == 1.0
+                && fact(&page, Layer::Object, 0)[texel] == 0.0
+                && (at(1, texel) - 2.0).abs() < 1e-4
+                && at(0, texel).abs() < 1.7;
+            if is_wall {
+                let row = (at(2, texel) * 1000.0).round() as i32;
+                rows.entry(row)
+                    .or_default()
+                    .push(fact(&page, Layer::Sealed, 0)[texel]);
+            }
+        }
+        assert!(rows.values().map(Vec::len).sum::<usize>() > 100);
+        for (row, sealed) in rows {
+            let count = sealed.iter().filter(|&&sealed| sealed > 0.0).count();
+            assert!([0, sealed.len()].contains(&count), "{up} {row}: {sealed:?}");
         }
     }
 }
