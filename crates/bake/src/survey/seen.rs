@@ -230,29 +230,52 @@ impl Seen {
         };
         // A body whose surface does not come near counts the same all over the texel.
         let is_far =
-            |&body: &u32| is_uniform && (own == Some(body) || !solids.meets(body, corners()));
-        let (far, close): (Vec<u32>, Vec<u32>) = near.iter().partition(|body| is_far(body));
+            |body: u32| is_uniform && (own == Some(body) || !solids.meets(body, corners()));
         let (middle, within) = point_at([0.5; 2]);
-        let base: i32 = far
-            .iter()
-            .map(|&body| solids.depth(body, middle, within))
-            .sum();
+        let cavities = |bodies: &[u32]| {
+            let found = bodies.iter().filter(|&&body| solids.is_cavity(body));
+            found.count() as i32
+        };
+        // Cavities alone take from what the others count, one each.
+        let most_taken = cavities(near);
+        let (mut base, mut close) = (0, Vec::new());
+        for &body in near {
+            if !is_far(body) {
+                close.push(body);
+                continue;
+            }
+            base += solids.depth(body, middle, within);
+            if base > most_taken {
+                return Self::NONE;
+            }
+        }
         if close.is_empty() {
             return if base <= 0 { Self::ALL } else { Self::NONE };
         }
+        let most_taken = cavities(&close);
         // A coordinate of 1 would choose no cell.
         let at = |k: usize| (k as f64 / EDGE as f64).min(1.0 - 1e-7);
-        let mut close: Vec<Near> = close
-            .into_iter()
-            .map(|body| solids.near(body, corners()))
-            .collect();
+        let mut close: Vec<(u32, Option<Near>)> =
+            (close.into_iter().map(|body| (body, None))).collect();
+        let mut is_open = |place: [usize; 2]| {
+            let (point, own) = point_at(place.map(at));
+            let mut sum = base;
+            for number in 0..close.len() {
+                let (body, near) = &mut close[number];
+                let near = near.get_or_insert_with(|| solids.near(*body, corners()));
+                let depth = near.depth(point, own);
+                sum += depth;
+                if sum > most_taken {
+                    // What buries a point mostly buries those beside it.
+                    close[..=number].rotate_right(1);
+                    return false;
+                }
+            }
+            sum <= 0
+        };
         let lattice: Vec<bool> = (0..=EDGE)
             .flat_map(|row| (0..=EDGE).map(move |column| [column, row]))
-            .map(|place| {
-                let (point, own) = point_at(place.map(at));
-                let depth = |near: &mut Near| near.depth(point, own);
-                base + close.iter_mut().map(depth).sum::<i32>() <= 0
-            })
+            .map(&mut is_open)
             .collect();
         let lattice = without_touches(&lattice);
         let open_corners = |stratum: usize| {

@@ -83,7 +83,8 @@ impl Solids {
         !self.cavities.any(low, high, |_| true) && self.counting.any(low, high, is_about)
     }
 
-    pub(super) fn is_cavity(&self, body: u32) -> bool {
+    /// True where the inside of a body is air again, in a solid.
+    pub fn is_cavity(&self, body: u32) -> bool {
         self.bodies[body as usize].inside == Inside::Cavity
     }
 

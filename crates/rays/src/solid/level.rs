@@ -4,11 +4,15 @@
 //! they are level. Rounding may put one an ulp below the other. It is in the open all the same, and so rays have to
 //! begin where it was tested, or the other top would take all light.
 
+use super::tree::Slab;
 use super::{Inside, NUDGE, Solids};
 use glam::DVec3;
 
 /// The cosine of the angle between faces that are level, at least.
 const ALONG: f64 = 0.999;
+
+/// Room for rounding where faces are left out that cannot be level.
+const ROOM: f64 = 1.01;
 
 impl Solids {
     /// How far off a triangle rays begin that are to see what it sees were it not for rounding, in scene units: 0 where
@@ -27,28 +31,46 @@ impl Solids {
             self.extent(body)
                 .max(low.abs().max(high.abs()).max_element())
         };
+        let [a, b, c] = triangle;
+        let longest = [b - a, c - b, a - c].map(DVec3::length);
+        let longest = longest.into_iter().fold(0.0, f64::max);
+        // How far apart the triangle's corners lie along any direction in its plane, at least.
+        let narrowest = (b - a).cross(c - a).length() / longest;
         let is_level = |&body: &u32| {
             let of = &self.bodies[body as usize];
             if of.inside != Inside::Solid || own == Some(body) {
                 return false;
             }
             let slack = NUDGE * far(body);
+            let (least, most) = (low - slack, high + slack);
+            // The plane of a face that is level with the triangle passes all three corners within the slack, or the
+            // face's corners do so with the triangle's plane. So the normals differ by no more than the slack lets
+            // them over what is narrowest, and by no more than `ALONG` does; and in the box, the face stays so near.
+            let lean = (2.0 * slack / narrowest).min(f64::sqrt(2.0 - 2.0 * ALONG));
+            let slab = Slab {
+                normal,
+                at: normal.dot(a),
+                within: ROOM * (slack + lean * (most - least).length()),
+            };
+            if !slab.meets(of.low, of.high) {
+                return false;
+            }
             let transform = of.inverse.inverse();
-            let ends = super::box_corners(low - slack, high + slack);
+            let ends = super::box_corners(least, most);
             let ends = ends.map(|p| of.inverse.transform_point3(p));
             let (low, high) = ends.iter().fold(limits, around);
             let side =
                 self.surface(of).content().signum() * transform.matrix3.determinant().signum();
-            let faces = self.tree(of).about(&self.scene, low, high).into_iter();
-            faces
-                .map(|face| face.map(|p| transform.transform_point3(DVec3::from(p.map(f64::from)))))
-                .any(|[a, b, c]| {
-                    let front = side * (b - a).cross(c - a).normalize_or_zero();
-                    let off = |p: &DVec3| (*p - a).dot(front).abs() <= slack;
-                    let stands = |p: DVec3| (p - triangle[0]).dot(normal).abs() <= slack;
-                    let is_one = triangle.iter().all(off) || [a, b, c].into_iter().all(stands);
-                    front.dot(normal) > ALONG && is_one
-                })
+            let slab = slab.before(&transform);
+            (self.tree(of)).any_in(&self.scene, [low, high], &slab, |face| {
+                let [a, b, c] =
+                    face.map(|p| transform.transform_point3(DVec3::from(p.map(f64::from))));
+                let front = side * (b - a).cross(c - a).normalize_or_zero();
+                let off = |p: &DVec3| (*p - a).dot(front).abs() <= slack;
+                let stands = |p: DVec3| (p - triangle[0]).dot(normal).abs() <= slack;
+                let is_one = || triangle.iter().all(off) || [a, b, c].into_iter().all(stands);
+                front.dot(normal) > ALONG && is_one()
+            })
         };
         let near = self.about(low, high);
         let level = near.iter().filter(|body| is_level(body));

@@ -3,7 +3,7 @@
 
 use super::topology::{Face, corners};
 use crate::triangle::{Crossing, ShearedRay};
-use glam::{DVec3, Vec3};
+use glam::{DAffine3, DVec3, Vec3};
 use scene::Scene;
 
 /// Triangles in a leaf.
@@ -27,6 +27,35 @@ pub(super) const CLEAR: f64 = 1e-9;
 pub(super) struct SurfaceTree {
     nodes: Vec<Node>,
     faces: Vec<Face>,
+}
+
+/// What lies near a plane.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Slab {
+    /// Of any length.
+    pub normal: DVec3,
+    /// Where the plane is along it.
+    pub at: f64,
+    /// How far from there it ends on either side.
+    pub within: f64,
+}
+
+impl Slab {
+    /// True where a box may meet it; false is certain.
+    pub fn meets(&self, low: DVec3, high: DVec3) -> bool {
+        let (middle, half) = ((low + high) * 0.5, (high - low) * 0.5);
+        let height = self.normal.dot(middle) - self.at;
+        height.abs() <= self.within + self.normal.abs().dot(half)
+    }
+
+    /// The same in the space from which a transform leads here.
+    pub fn before(&self, transform: &DAffine3) -> Self {
+        Self {
+            normal: transform.matrix3.transpose() * self.normal,
+            at: self.at - self.normal.dot(transform.translation),
+            within: self.within,
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -235,12 +264,35 @@ impl SurfaceTree {
         found
     }
 
+    /// True where something holds for the corners of one of the triangles that may meet the box and a slab.
+    pub fn any_in(
+        &self,
+        scene: &Scene,
+        [low, high]: [DVec3; 2],
+        slab: &Slab,
+        holds: impl FnMut([[f32; 3]; 3]) -> bool,
+    ) -> bool {
+        self.any_of(scene, low, high, |low, high| slab.meets(low, high), holds)
+    }
+
     /// Hands over the corners of triangles that may meet the box until one is taken; false where none is.
     fn any_about(
         &self,
         scene: &Scene,
         low: DVec3,
         high: DVec3,
+        take: impl FnMut([[f32; 3]; 3]) -> bool,
+    ) -> bool {
+        self.any_of(scene, low, high, |_, _| true, take)
+    }
+
+    /// The same of those whose own boxes something holds for, as it then does for boxes about them.
+    fn any_of(
+        &self,
+        scene: &Scene,
+        low: DVec3,
+        high: DVec3,
+        may: impl Fn(DVec3, DVec3) -> bool,
         mut take: impl FnMut([[f32; 3]; 3]) -> bool,
     ) -> bool {
         let (middle, half) = ((low + high) * 0.5, (high - low) * 0.5);
@@ -249,8 +301,9 @@ impl SurfaceTree {
         while depth > 0 {
             depth -= 1;
             let node = &self.nodes[pending[depth] as usize];
-            let apart = node.low.as_dvec3().cmpgt(high) | node.high.as_dvec3().cmplt(low);
-            if apart.any() {
+            let [least, most] = [node.low, node.high].map(|end| end.as_dvec3());
+            let apart = least.cmpgt(high) | most.cmplt(low);
+            if apart.any() || !may(least, most) {
                 continue;
             }
             if node.count == 0 {
@@ -261,10 +314,14 @@ impl SurfaceTree {
             for &face in self.faces_of(node) {
                 let exact = corners(scene, face);
                 let [a, b, c] = exact.map(|corner| corner.as_dvec3());
-                let apart = a.min(b).min(c).cmpgt(high) | a.max(b).max(c).cmplt(low);
+                let (least, most) = (a.min(b).min(c), a.max(b).max(c));
+                let apart = least.cmpgt(high) | most.cmplt(low);
+                if apart.any() || !may(least, most) {
+                    continue;
+                }
                 let normal = (b - a).cross(c - a);
-                let may = !apart.any() && normal.dot(middle - a).abs() <= normal.abs().dot(half);
-                if may && take(exact.map(|corner| corner.to_array())) {
+                let meets = normal.dot(middle - a).abs() <= normal.abs().dot(half);
+                if meets && take(exact.map(|corner| corner.to_array())) {
                     return true;
                 }
             }
