@@ -33,6 +33,7 @@ mod level;
 mod near;
 mod opening;
 mod placed;
+mod portal;
 mod rims;
 mod rooms;
 mod shape;

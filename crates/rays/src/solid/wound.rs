@@ -8,10 +8,12 @@
 //!
 //! A hole is little where it cannot be meant to be looked through: a triangle that a side lacks, or what is next to
 //! nothing of the surface and of its shadow on the hole's plane. The mouth of a tunnel is all of that shadow. But
-//! what is long and narrow, with nothing in it and no hill about it, is a post.
+//! what is long and narrow, with nothing in it, no hill about it and no wall about a mouth of it (`portal.rs`), is a
+//! post.
 
 use super::placed::{Placed, PlacedTree};
-use super::spread::{MIDDLE, corners_too, middles, parts};
+use super::portal::Mouth;
+use super::spread::{MIDDLE, corners_too, parts};
 use super::topology::{Face, Surface, corners};
 use super::tree::SurfaceTree;
 use super::{Covers, NUDGE, Solids};
@@ -38,7 +40,7 @@ const MOST: f64 = 0.5;
 /// The share of a surface with holes that may have the same on either side.
 const ODD: f64 = 0.1;
 /// What stops a hole stands this near to its panes, in widths of the hole, or through them.
-const STOP: f64 = 0.125;
+pub(super) const STOP: f64 = 0.125;
 /// What stands in a room has this share of the room's side, together: else it is stuck in a wall.
 const STANDS: f64 = 1.0 / 1024.0;
 /// Faces that are asked first.
@@ -126,11 +128,15 @@ impl Solids {
     }
 
     /// True where faces of a mixed surface look inward and what stands around it stops each hole through which one
-    /// would look, as snow lies on a branch, or next to no light gets in and the surface stands free, as a post.
+    /// would look, as snow lies on a branch; or where next to no light gets in, one looks from no room into it and the
+    /// surface stands free, as a post.
     pub(super) fn is_wound(&self, of: &Placed, all: &PlacedTree) -> bool {
         let wound = self.wound_but_for_holes(of.shape, of.key.1);
-        let is_stopped = |hole: &usize| self.is_stopped(of, &of.surface.caps[*hole], all);
-        let is_post = || wound.is_bore && self.stands_free(of, all);
+        let mouth = |hole: &usize| Mouth::of(of, &of.surface.caps[*hole]);
+        let is_stopped = |hole: &usize| self.is_stopped(of, &mouth(hole), all);
+        let is_portal = |hole: &usize| self.is_portal(of, &mouth(hole), all);
+        let is_post =
+            || wound.is_bore && !wound.open.iter().any(is_portal) && self.stands_free(of, all);
         let stopped = || !wound.is_frame && wound.open.iter().all(is_stopped);
         !wound.faces.is_empty() && (stopped() || is_post())
     }
@@ -158,18 +164,8 @@ impl Solids {
 
     /// True where other surfaces stand in nearly all of a hole: close to it, or on both sides of it, as the skin of
     /// what is stuck in it.
-    fn is_stopped(&self, of: &Placed, cap: &[[[f32; 3]; 3]], all: &PlacedTree) -> bool {
-        let place = |corner: [f32; 3]| {
-            let corner = DVec3::from(corner.map(f64::from));
-            of.transform.transform_point3(corner)
-        };
-        let sense = of.transform.matrix3.determinant().signum();
-        let panes: Vec<[DVec3; 3]> = cap.iter().map(|pane| pane.map(place)).collect();
-        let across = |[a, b, c]: &[DVec3; 3]| 0.5 * sense * (*b - *a).cross(*c - *a);
-        let hole: DVec3 = panes.iter().map(across).sum();
-        // A pane's front is that of the faces, which look inward.
-        let outward = -hole.normalize_or_zero();
-        let width = hole.length().sqrt();
+    fn is_stopped(&self, of: &Placed, mouth: &Mouth, all: &PlacedTree) -> bool {
+        let Mouth { outward, width, .. } = *mouth;
         let is_met = |at: DVec3, from: f64, to: f64| {
             let ends = [from, to].map(|step| at + step * width * outward);
             self.nearest_met(of.key, all, ends[0], ends[1]).is_some()
@@ -181,20 +177,11 @@ impl Solids {
             let own = tree.nearest(&self.scene, ends[0], ends[1]);
             own.map_or(most, |(share, _)| share * most)
         };
-        let is_stopped = |at: &DVec3| {
-            let within = || is_met(*at, 0.0, -deep(*at, 1.0));
-            is_met(*at, -deep(*at, STOP), STOP) || is_met(*at, 0.0, 1.0) && within()
+        let is_stopped = |at: DVec3| {
+            let within = || is_met(at, 0.0, -deep(at, 1.0));
+            is_met(at, -deep(at, STOP), STOP) || is_met(at, 0.0, 1.0) && within()
         };
-        let points: Vec<[f64; 3]> = middles(parts(cap.len())).collect();
-        let (mut asked, mut stopped) = (0.0, 0.0);
-        for pane in &panes {
-            let [a, b, c] = *pane;
-            let places = points.iter().map(|[u, v, w]| *u * a + *v * b + *w * c);
-            let share = across(pane).length() / points.len() as f64;
-            asked += share * points.len() as f64;
-            stopped += share * places.filter(is_stopped).count() as f64;
-        }
-        stopped >= (1.0 - HOLE) * asked
+        mouth.share(is_stopped) >= 1.0 - HOLE
     }
 
     fn find_wound(&self, shape: u32, number: u32) -> Option<Wound> {

@@ -298,3 +298,149 @@ fn a_hood_that_looks_inward_is_lit_from_behind_where_something_stops_its_mouth()
     assert_eq!(turned(vec![hood(), ground.clone(), far()]), 10);
     assert_eq!(turned(vec![hood(), ground, chair, far()]), 0);
 }
+
+/// A tube along z of these half edges, open at both ends or closed at the far one.
+fn corridor(half: [f32; 2], middle: f32, [from, to]: [f32; 2], is_closed: bool) -> Mesh {
+    let [w, h] = half;
+    let center = Vec3::new(0.0, middle, 0.5 * (from + to));
+    let mut tube = block(center, Vec3::new(w, h, 1.0), true);
+    // The very ends.
+    for position in &mut tube.positions {
+        position.z = if position.z < center.z { from } else { to };
+    }
+    let tube = without(tube, 2, from);
+    if is_closed {
+        tube
+    } else {
+        without(tube, 2, to)
+    }
+}
+
+#[test]
+fn an_empty_corridor_that_ends_at_a_door_is_lit_from_within() {
+    // The door is from -0.5 to 0.5 and from -1.25 to 0.75, in the wall at z = 2.
+    let room = room_with_a_door();
+    let mut far_room = room.clone();
+    (far_room.positions.iter_mut()).for_each(|p| (p.x, p.z) = (-p.x, 30.0 - p.z));
+    // Edge to edge, before the wall, into the room, within the door, about it.
+    for (half, from) in [
+        ([0.5, 1.0], 2.0),
+        ([0.5, 1.0], 2.01),
+        ([0.5, 1.0], 2.1),
+        ([0.5, 1.0], 1.9),
+        ([0.48, 0.98], 2.0),
+        ([0.52, 1.02], 2.001),
+    ] {
+        for is_closed in [false, true] {
+            let corridor = corridor(half, -0.25, [from, 26.0], is_closed);
+            let found = turned(vec![corridor, room.clone(), sheet()]);
+            assert_eq!(found, 0, "{half:?} from {from}, closed {is_closed}");
+        }
+        let between = corridor(half, -0.25, [from, 30.0 - from], false);
+        let found = turned(vec![between, room.clone(), far_room.clone(), sheet()]);
+        assert_eq!(found, 0, "{half:?} from {from}, between two rooms");
+    }
+}
+
+#[test]
+fn an_empty_tunnel_whose_mouth_is_a_hole_in_a_wall_is_lit_from_within() {
+    // A sheet about a round hole of the radius 1, of either winding.
+    let ring = |radius: f32, z: f32| {
+        (0..24).map(move |k| {
+            let (sin, cos) = (k as f32 * std::f32::consts::TAU / 24.0).sin_cos();
+            Vec3::new(radius * cos, radius * sin, z)
+        })
+    };
+    let joined = |inner: [f32; 2], outer: [f32; 2], turn: bool| {
+        let points = ring(inner[0], inner[1]).chain(ring(outer[0], outer[1]));
+        let faces = (0..24u32).flat_map(|k| {
+            let next = (k + 1) % 24;
+            let faces = [[k, k + 24, next], [next, k + 24, next + 24]];
+            faces.map(|[a, b, c]| if turn { [a, c, b] } else { [a, b, c] })
+        });
+        mesh(points.collect(), faces.collect())
+    };
+    let tube = |radius: f32, from: f32| joined([radius, from], [radius, 60.0], false);
+    let faces = tube(1.0, 0.0).triangles.len();
+    let inward = |of: &Mesh| {
+        let [a, b, c] = of.triangles[0].map(|corner| of.positions[corner as usize]);
+        (b - a).cross(c - a).dot(a.with_z(0.0)) < 0.0
+    };
+    assert!(inward(&tube(1.0, 0.0)));
+    for turn in [false, true] {
+        let wall = |hole: f32, size: f32| joined([hole, 0.0], [size, 0.0], turn);
+        for (radius, from) in [(1.0, 0.01), (0.95, 0.0), (1.0, -0.1), (1.05, 0.1)] {
+            let found = turned(vec![tube(radius, from), wall(1.0, 6.0), sheet()]);
+            assert_eq!(found, 0, "{radius} from {from}, {turn}");
+        }
+        // A wall without a hole, about its middle, and none.
+        let mut middle = wall(1.0, 6.0);
+        middle.positions.iter_mut().for_each(|p| p.z = 30.0);
+        for (name, wall) in [("stopped", wall(0.01, 6.0)), ("through", middle)] {
+            let found = turned(vec![tube(1.0, 0.01), wall, sheet()]);
+            assert_eq!(found, faces, "{name}, {turn}");
+        }
+    }
+    assert_eq!(turned(vec![tube(1.0, 0.01), sheet()]), faces);
+}
+
+#[test]
+fn posts_that_stand_on_at_and_under_something_are_lit_from_outside() {
+    let slab = |low: [f32; 3], high: [f32; 3]| {
+        let [low, high] = [low, high].map(Vec3::from_array);
+        block(0.5 * (low + high), 0.5 * (high - low), false)
+    };
+    // Along z, from 0 to 30, a unit wide.
+    let post = || corridor([0.5; 2], 0.0, [0.0, 30.0], false);
+    let (floor, ceiling) = (
+        slab([-9.0, -9.0, -1.0], [9.0, 9.0, 0.0]),
+        slab([-9.0, -9.0, 30.0], [9.0, 9.0, 31.0]),
+    );
+    let mut ground = level(0.0, 8.0);
+    ground
+        .positions
+        .iter_mut()
+        .for_each(|p| *p = Vec3::new(p.z, p.x, 1.0));
+    let cases = [
+        ("between floor and ceiling", vec![floor.clone(), ceiling]),
+        (
+            "on a plinth",
+            vec![slab([-0.7, -0.7, -1.0], [0.7, 0.7, 0.0]), floor.clone()],
+        ),
+        ("in the ground", vec![ground]),
+        (
+            "under a narrow beam",
+            vec![floor.clone(), slab([-0.2, -9.0, 30.0], [0.2, 9.0, 31.0])],
+        ),
+        (
+            "under a wide beam",
+            vec![floor.clone(), slab([-0.4, -9.0, 30.0], [0.4, 9.0, 31.0])],
+        ),
+        (
+            "under an edge",
+            vec![floor.clone(), slab([0.1, -9.0, 30.0], [9.0, 9.0, 31.0])],
+        ),
+        (
+            "beside a slab",
+            vec![floor.clone(), slab([0.5, -9.0, 29.0], [9.0, 9.0, 30.0])],
+        ),
+        (
+            "in a corner of two slabs",
+            vec![
+                slab([0.5, -9.0, 29.0], [9.0, 9.0, 30.0]),
+                slab([-9.0, 0.5, 29.0], [0.5, 9.0, 30.0]),
+            ],
+        ),
+        (
+            "on another post",
+            vec![corridor([0.4; 2], 0.0, [30.0, 60.0], true)],
+        ),
+    ];
+    for (name, others) in cases {
+        let mine = post();
+        let faces = mine.triangles.len() as u32;
+        let backs = solids([vec![mine], others, vec![sheet()]].concat()).backs(&[]);
+        let own = backs.iter().find(|(mesh, _)| *mesh == 0);
+        assert_eq!(own.map_or(0, |(_, of)| of.len() as u32), faces, "{name}");
+    }
+}
