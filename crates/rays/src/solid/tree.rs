@@ -41,6 +41,13 @@ pub(super) struct Slab {
 }
 
 impl Slab {
+    /// What holds all.
+    pub const EVERYWHERE: Self = Self {
+        normal: DVec3::ZERO,
+        at: 0.0,
+        within: f64::INFINITY,
+    };
+
     /// True where a box may meet it; false is certain.
     pub fn meets(&self, low: DVec3, high: DVec3) -> bool {
         let (middle, half) = ((low + high) * 0.5, (high - low) * 0.5);
@@ -346,6 +353,56 @@ impl Node {
             high,
             first: first as u32,
             count: items.len() as u32,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixture::{scene, sphere};
+    use glam::DQuat;
+
+    #[test]
+    fn a_slab_leaves_out_faces_that_do_not_reach_into_it_alone() {
+        let scene = scene(vec![sphere(3)]);
+        let count = scene.meshes[0].triangles.len() as u32;
+        let faces: Vec<Face> = (0..count).map(|triangle| Face::of(0, triangle)).collect();
+        let tree = SurfaceTree::build(&scene, &faces);
+        let place = DAffine3::from_scale_rotation_translation(
+            DVec3::new(2.0, -0.5, 1.0),
+            DQuat::from_rotation_z(0.4) * DQuat::from_rotation_x(1.1),
+            DVec3::new(3.0, 1.0, -2.0),
+        );
+        let all = [DVec3::splat(-2.0), DVec3::splat(2.0)];
+        for (normal, at) in [(DVec3::X, 3.5), (DVec3::new(0.48, -0.6, 0.64), -0.5)] {
+            let slab = Slab {
+                normal,
+                at,
+                within: 0.1,
+            };
+            let mut found = Vec::new();
+            tree.any_in(&scene, all, &slab.before(&place), |face| {
+                found.push(face);
+                false
+            });
+            let reaches = |face: &[[f32; 3]; 3]| {
+                let heights = face.map(|p| {
+                    let corner = place.transform_point3(DVec3::from(p.map(f64::from)));
+                    corner.dot(normal) - at
+                });
+                heights.iter().any(|h| *h >= -0.1) && heights.iter().any(|h| *h <= 0.1)
+            };
+            let own = |face: &Face| corners(&scene, *face).map(|p| p.to_array());
+            let expected = faces.iter().map(own).filter(reaches).count();
+            assert_eq!(found.iter().filter(|face| reaches(face)).count(), expected);
+            // Boxes of faces reach a little farther than these do.
+            assert!(
+                expected > 20 && found.len() < 2 * expected,
+                "{expected}, {}",
+                found.len()
+            );
+            assert!(found.len() < faces.len() / 2, "{}", found.len());
         }
     }
 }

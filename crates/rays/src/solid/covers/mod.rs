@@ -17,6 +17,7 @@ mod tests;
 use super::Solids;
 use super::placed::{ABOUT, Placed, PlacedTree, Sheet, box_corners, sheets_of};
 use super::topology::{Face, Surface, corners};
+use super::tree::Slab;
 use crate::boxes::Boxes;
 use crate::solid::NUDGE;
 use glam::{DAffine3, DVec3};
@@ -131,15 +132,15 @@ impl Covers<'_> {
 
     /// The triangles that may cover something in a box.
     pub fn about(&self, low: DVec3, high: DVec3) -> impl Iterator<Item = [DVec3; 3]> {
-        let all = self.within(low, high, self.layers.above);
+        let all = self.within((low, high), self.layers.above, Slab::EVERYWHERE);
         all.map(|(_, corners)| corners)
     }
 
     fn within(
         &self,
-        low: DVec3,
-        high: DVec3,
+        (low, high): (DVec3, DVec3),
         above: f64,
+        slab: Slab,
     ) -> impl Iterator<Item = (Side, [DVec3; 3])> {
         let (low, high) = (low - above, high + above);
         let numbers = self.layers.boxes.meeting(low, high).into_iter();
@@ -150,6 +151,7 @@ impl Covers<'_> {
                 &layer.transform,
                 &layer.inverse,
                 (low, high),
+                &slab,
             );
             let seen = |face| (layer.side, layer.side.seen(face));
             faces.into_iter().map(seen)
@@ -165,7 +167,13 @@ impl Covers<'_> {
         above: f64,
     ) -> impl Iterator<Item = Cover> {
         let reach = low.abs().max(high.abs()).max_element();
-        let all = self.within(low, high, above);
+        // What has a corner above the plane and one so near to it is in there, with room for rounding.
+        let slab = Slab {
+            normal,
+            at: normal.dot(place) + 0.5 * above,
+            within: 0.5 * above + Self::least(reach),
+        };
+        let all = self.within((low, high), above, slab);
         let is_over = move |&(side, face): &(Side, [DVec3; 3])| {
             let heights = face.map(|corner| (corner - place).dot(normal));
             let is_near = heights.iter().any(|h| *h >= side.least(reach))
@@ -214,7 +222,7 @@ impl Solids {
         let corners = corners(&self.scene, Face::of(of.mesh, triangle))
             .map(|p| of.transform.transform_point3(p.as_dvec3()));
         let (low, high) = box_of(corners);
-        let mut near = covers.within(low, high, within().min(layers.above));
+        let mut near = covers.within((low, high), within().min(layers.above), Slab::EVERYWHERE);
         near.next().is_some().then_some(covers)
     }
 
@@ -261,7 +269,8 @@ impl Solids {
     fn lies_under(&self, layer: &Placed, other: &Placed, slack: f64) -> bool {
         let faces = |of: &Placed, low: DVec3, high: DVec3| {
             let key = (of.shape, of.key.1);
-            self.faces_about(key, &of.transform, &of.inverse, (low - slack, high + slack))
+            let about = (low - slack, high + slack);
+            self.faces_about(key, &of.transform, &of.inverse, about, &Slab::EVERYWHERE)
         };
         let side = Side::of(layer.surface);
         let near = faces(layer, other.low, other.high);
@@ -277,7 +286,7 @@ impl Solids {
         })
     }
 
-    /// The triangles of a placed surface that may meet a box, corners in the order in which they are seen from their
+    /// The triangles of a placed surface that may meet a box and a slab, corners in the order in which they are seen from their
     /// front.
     fn faces_about(
         &self,
@@ -285,16 +294,18 @@ impl Solids {
         transform: &DAffine3,
         inverse: &DAffine3,
         (low, high): (DVec3, DVec3),
+        slab: &Slab,
     ) -> Vec<[DVec3; 3]> {
         let (low, high) = box_of(box_corners(low, high).map(|p| inverse.transform_point3(p)));
         let mirrors = transform.matrix3.determinant() < 0.0;
         let tree = self.tree_of(shape, surface);
-        let found = tree.about(&self.scene, low, high).into_iter();
-        let placed = found.map(|face| {
+        let mut found = Vec::new();
+        tree.any_in(&self.scene, [low, high], &slab.before(transform), |face| {
             let [a, b, c] = face.map(|p| transform.transform_point3(DVec3::from(p.map(f64::from))));
-            if mirrors { [a, c, b] } else { [a, b, c] }
+            found.push(if mirrors { [a, c, b] } else { [a, b, c] });
+            false
         });
-        placed.collect()
+        found
     }
 }
 
