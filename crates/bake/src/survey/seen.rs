@@ -90,31 +90,53 @@ impl Spot {
         extent.fold(self.low.abs().max(self.high.abs()).max_element(), f64::max)
     }
 
-    /// What can be seen of every footprint alike; `None` where that may differ.
-    fn alike(&self, solids: &Solids, near: &[u32]) -> Option<Seen> {
-        let own = self.own?;
-        if near.iter().any(|&body| solids.is_ground(body)) {
-            return None;
-        }
-        let slack = NUDGE * self.reach(solids, near);
+    /// What can be seen of every footprint alike; where that may differ, those of the bodies near it that count for
+    /// some of it.
+    fn alike(&self, solids: &Solids, near: Vec<u32>, reach: f64) -> Result<Seen, Vec<u32>> {
+        let Some(own) = self.own else {
+            return Err(near);
+        };
+        let slack = NUDGE * reach;
         let ends = [self.low - slack, self.high + slack];
         let corner = |k: usize| {
             let [x, y, z] = [k & 1, k >> 1 & 1, k >> 2];
             DVec3::new(ends[x].x, ends[y].y, ends[z].z)
         };
         let corners = (0..8).map(corner);
-        let is_close = |&body: &u32| own != Some(body) && solids.meets(body, corners.clone());
-        if near.iter().any(is_close) {
-            return None;
-        }
+        let may_differ = |body: u32| {
+            let is_close = || own != Some(body) && solids.meets(body, corners.clone());
+            solids.is_ground(body) || is_close()
+        };
         let middle = 0.5 * (self.low + self.high);
-        let depth = near.iter().map(|&body| solids.depth(body, middle, own));
-        Some(if depth.sum::<i32>() <= 0 {
-            Seen::ALL
-        } else {
-            Seen::NONE
-        })
+        let most_taken = cavities(solids, &near);
+        let (mut base, mut left, mut is_alike) = (0, Vec::new(), true);
+        for body in near {
+            if may_differ(body) {
+                is_alike = false;
+                left.push(body);
+                continue;
+            }
+            let depth = solids.depth(body, middle, own);
+            if depth != 0 {
+                left.push(body);
+            }
+            base += depth;
+            if base > most_taken {
+                return Ok(Seen::NONE);
+            }
+        }
+        match is_alike {
+            true if base <= 0 => Ok(Seen::ALL),
+            true => Ok(Seen::NONE),
+            false => Err(left),
+        }
     }
+}
+
+/// How much some bodies can take at most from what others count: cavities alone do, one each.
+fn cavities(solids: &Solids, bodies: &[u32]) -> i32 {
+    let found = bodies.iter().filter(|&&body| solids.is_cavity(body));
+    found.count() as i32
 }
 
 /// True where nothing can bury any of a tile, so that all can be seen.
@@ -137,7 +159,7 @@ pub(super) fn look<'a>(
     for part in footprints.chunk_by(|(.., a), (.., b)| a.own == b.own) {
         if let Some(whole) = around(part) {
             let about = || solids.about(whole.low, whole.high);
-            look_among(solids, &about, (part, whole), &mut found);
+            look_among(solids, (&about, None), (part, whole), &mut found);
         }
     }
     found
@@ -151,10 +173,11 @@ fn around(footprints: &[Placed]) -> Option<Spot> {
     spots.reduce(|whole, spot| whole.with(&spot))
 }
 
-/// The same for footprints that lie together in `whole`, among the bodies about them.
+/// The same for footprints that lie together in `whole`, among the bodies about them, of which these alone may count
+/// for some of them, in order; `None` for all.
 fn look_among(
     solids: &Solids,
-    about: &dyn Fn() -> Vec<u32>,
+    (about, counting): (&dyn Fn() -> Vec<u32>, Option<&[u32]>),
     (footprints, whole): (&[Placed], Spot),
     found: &mut Vec<(usize, Seen)>,
 ) {
@@ -163,21 +186,28 @@ fn look_among(
         return;
     }
     let near = whole.retained(solids, about());
-    if near.is_empty() {
+    // How far off their surface points are tested depends on all bodies about them.
+    let reach = whole.reach(solids, &near);
+    let counts = |body: &u32| counting.is_none_or(|of| of.binary_search(body).is_ok());
+    let left: Vec<u32> = near.iter().copied().filter(counts).collect();
+    if left.is_empty() {
         return;
     }
     if let [(number, cells, _)] = footprints {
-        found.push((*number, Seen::of(cells, &whole, solids, &near)));
+        found.push((*number, Seen::of(cells, &whole, solids, (&left, reach))));
         return;
     }
-    if let Some(seen) = whole.alike(solids, &near) {
-        found.extend((footprints.iter()).map(|(number, ..)| (*number, seen.clone())));
-        return;
-    }
+    let left = match whole.alike(solids, left, reach) {
+        Ok(seen) => {
+            found.extend((footprints.iter()).map(|(number, ..)| (*number, seen.clone())));
+            return;
+        }
+        Err(left) => left,
+    };
     for part in footprints.chunks(footprints.len().div_ceil(PARTS)) {
         if let Some(whole) = around(part) {
             let about = || solids.narrowed(&near, whole.low, whole.high);
-            look_among(solids, &about, (part, whole), found);
+            look_among(solids, (&about, Some(&left)), (part, whole), found);
         }
     }
 }
@@ -212,10 +242,10 @@ impl Seen {
         strata: Vec::new(),
     };
 
-    /// Looks at a texel of these cells, which is `whole`, among the solids whose boxes may meet its own.
-    fn of(cells: &Cells, whole: &Spot, solids: &Solids, near: &[u32]) -> Self {
+    /// Looks at a texel of these cells, which is `whole`, among the solids whose boxes may meet its own, up to this
+    /// largest coordinate.
+    fn of(cells: &Cells, whole: &Spot, solids: &Solids, (near, reach): (&[u32], f64)) -> Self {
         let (own, is_uniform) = (cells.cell(0).body, whole.own.is_some());
-        let reach = whole.reach(solids, near);
         let tested = |position: DVec3, geometric: DVec3| position + NUDGE * reach * geometric;
         let corners: Vec<DVec3> = cells
             .corners()
@@ -232,12 +262,7 @@ impl Seen {
         let is_far =
             |body: u32| is_uniform && (own == Some(body) || !solids.meets(body, corners()));
         let (middle, within) = point_at([0.5; 2]);
-        let cavities = |bodies: &[u32]| {
-            let found = bodies.iter().filter(|&&body| solids.is_cavity(body));
-            found.count() as i32
-        };
-        // Cavities alone take from what the others count, one each.
-        let most_taken = cavities(near);
+        let most_taken = cavities(solids, near);
         let (mut base, mut close) = (0, Vec::new());
         for &body in near {
             if !is_far(body) {
@@ -252,7 +277,7 @@ impl Seen {
         if close.is_empty() {
             return if base <= 0 { Self::ALL } else { Self::NONE };
         }
-        let most_taken = cavities(&close);
+        let most_taken = cavities(solids, &close);
         // A coordinate of 1 would choose no cell.
         let at = |k: usize| (k as f64 / EDGE as f64).min(1.0 - 1e-7);
         let mut close: Vec<(u32, Option<Near>)> =
