@@ -182,7 +182,8 @@ fn roots(input: &mut Input, document: &GltfDocument) -> Result<Vec<usize>, Error
         WarningKind::OtherScenes,
         format!("scene {scene}"),
         others,
-        "it is the one that is baked; what stands in others alone is left out, and files of their own bring it in",
+        "this scene of the file is baked; what stands in its other scenes alone is left out, and files of their own \
+         bring it in",
     );
     Ok(found)
 }
