@@ -67,6 +67,75 @@ fn a_side_of_a_box_that_looks_into_it_is_told_of() {
     }
 }
 
+/// Writes a shed of sheets as an OBJ file: four walls and a floor, and a roof of two slopes that reaches over them, in
+/// an object of its own or with the walls. What of it looks inward is given.
+fn shed(folder: &Path, walls_in: bool, roof_in: bool, apart: bool) -> PathBuf {
+    let mut text = String::new();
+    for [x, y, z] in [
+        [-2.0, 0.0, -2.0],
+        [2.0, 0.0, -2.0],
+        [2.0, 0.0, 2.0],
+        [-2.0, 0.0, 2.0],
+        [-2.0, 2.0, -2.0],
+        [2.0, 2.0, -2.0],
+        [2.0, 2.0, 2.0],
+        [-2.0, 2.0, 2.0],
+        [-2.3, 1.7, -2.3],
+        [2.3, 1.7, -2.3],
+        [2.3, 3.2, 0.0],
+        [-2.3, 3.2, 0.0],
+        [2.3, 1.7, 2.3],
+        [-2.3, 1.7, 2.3],
+    ] {
+        text += &format!("v {x} {y} {z}\n");
+    }
+    let mut faces = |faces: &[[u32; 4]], turned: bool| {
+        for face in faces {
+            let [a, b, c, d] = face.map(|corner| corner.to_string());
+            let corners = if turned { [d, c, b, a] } else { [a, b, c, d] };
+            text += &format!("f {}\n", corners.join(" "));
+        }
+    };
+    let walls = [
+        [4, 3, 7, 8],
+        [2, 1, 5, 6],
+        [3, 2, 6, 7],
+        [1, 4, 8, 5],
+        [1, 2, 3, 4],
+    ];
+    faces(&walls, walls_in);
+    let roof = [[12, 11, 10, 9], [14, 13, 11, 12]];
+    let apart = if apart { "o roof\n" } else { "" };
+    faces(&roof, roof_in);
+    let (v, f) = text.split_at(text.find('f').expect("faces"));
+    let second: usize = f.match_indices('\n').nth(4).expect("walls").0 + 1;
+    let text = format!("{v}o walls\n{}{apart}{}", &f[..second], &f[second..]);
+    let path = folder.join("shed.obj");
+    std::fs::write(&path, text).expect("a file");
+    path
+}
+
+#[test]
+fn a_roof_of_sheets_that_looks_into_its_shed_is_told_of_and_a_room_is_not() {
+    for (walls_in, roof_in, apart, expected) in [
+        (false, false, false, None),
+        (false, false, true, None),
+        (true, true, false, None),
+        (true, true, true, None),
+        (false, true, false, Some("object `walls`")),
+        (false, true, true, Some("object `roof`")),
+    ] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = shed(folder.path(), walls_in, roof_in, apart);
+        let (out, _) = bake(&file, &["--size=64", "--rays=4", "--only=diffuse"]);
+        let report = report(out.path());
+        let warnings = report["warnings"].as_array().expect("a list");
+        let told = warnings.iter().find(|of| of["kind"] == "dark-sides");
+        let place = told.map(|of| of["place"].as_str().expect("a name"));
+        assert_eq!(place, expected, "{walls_in} {roof_in}: {warnings:?}");
+    }
+}
+
 /// Writes a box as an OBJ file, with a normal for each side; those of these sides are turned round.
 fn shaded(folder: &Path, turned: &[usize], lean: f32) -> PathBuf {
     let mut text = String::from("o box\n");

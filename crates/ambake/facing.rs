@@ -5,6 +5,7 @@
 //! meant.
 
 use crate::job::Job;
+use crate::points::PLASTIC;
 use crate::shell::{POINTS, Stand, over, spread};
 use atlas::SurfacePoint;
 use glam::DVec3;
@@ -18,6 +19,19 @@ const BACKS: usize = 50;
 const OPEN: usize = 50;
 /// The share of the points of an atlas from which they are told of.
 const LEAST: f64 = 0.01;
+
+/// The side of a sheet that is baked is dark where it sees at most this share of the sky, weighed by the cosine, and
+/// its other side is open from this share.
+const DARK: f64 = 0.25;
+const LIGHT: f64 = 0.5;
+/// What a dark side looks at is close where half of it is within this part of the scene's diagonal.
+const CLOSE: f64 = 1.0 / 16.0;
+/// What looks up so steeply, by the sine, is a floor in a shell that looks outward: nobody looks at its bottom.
+const LEVEL: f64 = 0.5;
+/// An object is told of where so much of it is so, a share of its texels.
+const NOTABLE: f64 = 0.125;
+/// And so many of the points that stand for it.
+const FEWEST: u32 = 4;
 
 /// The warning about them; `None` where a limit of distance lets light through what is closed.
 pub(crate) fn faces_away(job: &Job) -> Option<WarningReport> {
@@ -45,6 +59,127 @@ pub(crate) fn faces_away(job: &Job) -> Option<WarningReport> {
             (100.0 * share).max(1.0)
         ),
     })
+}
+
+/// The warnings about objects that are drawn from both sides, and of which a notable part is baked dark while its other
+/// side is light: sheets that are wound the wrong way, such as a roof that looks into its house. None of rooms, whose
+/// insides are looked at, and none of cut-out leaves, which look anywhere.
+pub(crate) fn dark_sides(job: &Job) -> Vec<WarningReport> {
+    let (world, backend, atlas) = (job.world(), job.backend(), job.atlas());
+    if job.options().max_distance.is_some() {
+        return Vec::new();
+    }
+    let up = job.options().up.direction().into();
+    let mut outward = 0;
+    let mut counts: BTreeMap<&str, [u32; 3]> = BTreeMap::new();
+    for (k, point) in (0..).zip(spread(world.scene(), atlas)) {
+        let name = world.scene().instances[point.instance as usize]
+            .name
+            .as_str();
+        let [all, within, before] = counts.entry(name).or_default();
+        *all += 1;
+        match side(world, backend, up, &anywhere(point, k)) {
+            Side::BeforeBacks => *within += 1,
+            Side::BeforeFronts => *before += 1,
+            Side::Outward => outward += 1,
+            Side::Other => {}
+        }
+    }
+    // Fronts close by are the body under a cloak, or the other side of a hollow wing. In a level of rooms they are the
+    // rooms: hardly anything there looks outward alone.
+    let fronts: u32 = counts.values().map(|of| of[2]).sum();
+    let are_rooms = outward < fronts;
+    let found = counts
+        .into_iter()
+        .filter_map(|(name, [all, within, before])| {
+            let dark = if are_rooms { within } else { within + before };
+            let is_told = dark >= FEWEST && f64::from(dark) >= NOTABLE * f64::from(all);
+            is_told.then_some((name, dark))
+        });
+    let found: Vec<(&str, u32)> = found.collect();
+    let share = |dark: u32| f64::from(dark) / f64::from(POINTS);
+    let whole = share(found.iter().map(|of| of.1).sum());
+    let message = format!(
+        "{:.0} % of the texels show the dark side of faces that are drawn from both sides: the side of their winding is \
+         baked, which sees little of the sky, while their other side is in the open; turn these faces over in the scene \
+         (flip their normals), unless one looks at them from within",
+        (100.0 * whole).max(1.0)
+    );
+    let report = |&(name, dark): &(&str, u32)| WarningReport {
+        kind: "dark-sides".into(),
+        place: format!("object `{name}`"),
+        count: (share(dark) * atlas.audit.texels as f64) as u64,
+        message: message.clone(),
+    };
+    found.iter().map(report).collect()
+}
+
+/// The k-th point of some in a place of its own on its triangle.
+fn anywhere(point: SurfacePoint, k: u32) -> SurfacePoint {
+    let [u, v] = PLASTIC.map(|by| (0.5 + f64::from(k) * by).fract());
+    let root = u.sqrt();
+    SurfacePoint {
+        weights: [1.0 - root, root * (1.0 - v), root * v],
+        ..point
+    }
+}
+
+/// What the two sides of a point look at.
+enum Side {
+    /// The baked side is dark and the other in the open; most rays from the dark one meet backs.
+    BeforeBacks,
+    /// The same before fronts that are close.
+    BeforeFronts,
+    /// The baked side is in the open and the other is dark.
+    Outward,
+    /// Anything else.
+    Other,
+}
+
+/// What the sides of a point of a surface look at. Anything else is what is drawn from one side, cut out by a texture,
+/// buried, a floor, or found by [`faces_away`].
+fn side(world: &World, backend: &dyn RayBackend, up: DVec3, point: &SurfacePoint) -> Side {
+    let scene = world.scene();
+    let mesh = &scene.meshes[scene.instances[point.instance as usize].mesh as usize];
+    let Some(stand) = Stand::at(world, point) else {
+        return Side::Other;
+    };
+    let normal = stand.normal;
+    let all: f64 = over(normal).map(|way| way.dot(normal)).sum();
+    let (mut seen, mut backs, mut ways) = (0.0, 0, Vec::new());
+    for direction in over(normal) {
+        match backend.closest(&stand.ray(normal, direction)) {
+            None => seen += direction.dot(normal),
+            Some(hit) => {
+                ways.push(f64::from(hit.t));
+                let is_back = world.face(hit.instance, hit.triangle).dot(direction) > 0.0;
+                backs += usize::from(is_back);
+            }
+        }
+    }
+    let leaves = |way: &DVec3| !backend.occluded(&stand.ray(-normal, *way));
+    let other = || over(-normal).filter(leaves).map(|way| -way.dot(normal));
+    if seen >= LIGHT * all && other().sum::<f64>() <= DARK * all {
+        return Side::Outward;
+    }
+    if seen > DARK * all
+        || !scene.materials[mesh.material as usize].is_opaque()
+        || !world.is_double_sided(point.instance)
+        || other().sum::<f64>() < LIGHT * all
+        || world.is_buried(point.instance, point.triangle, point.weights)
+        || looks_away(world, backend, point)
+    {
+        return Side::Other;
+    }
+    ways.sort_unstable_by(f64::total_cmp);
+    let is_close = ways[ways.len() / 2] <= CLOSE * world.bounds().diagonal();
+    let is_floor = normal.dot(up) > LEVEL * up.length();
+    match 2 * backs >= ways.len() {
+        true if is_floor => Side::Other,
+        true => Side::BeforeBacks,
+        false if is_close => Side::BeforeFronts,
+        false => Side::Other,
+    }
 }
 
 /// True where a face looks into its own object and its back does not.

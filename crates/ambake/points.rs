@@ -4,7 +4,7 @@ use atlas::{ObjectName, SurfacePoint};
 use rays::World;
 
 /// Steps that fill a square evenly: the inverse of the plastic ratio, and its square.
-const PLASTIC: [f64; 2] = [0.754_877_666_246_693, 0.569_840_290_998_053];
+pub(crate) const PLASTIC: [f64; 2] = [0.754_877_666_246_693, 0.569_840_290_998_053];
 
 /// The surface of an object, in square scene units.
 pub(crate) fn area(world: &World, object: &ObjectName) -> f64 {

@@ -1,6 +1,6 @@
 //! What a bake warns of before a ray is cast.
 
-use crate::facing::faces_away;
+use crate::facing::{dark_sides, faces_away};
 use crate::job::Job;
 use crate::shell::Shell;
 use ::bake::{AmbientCoefficient, Bounces, Model};
@@ -88,6 +88,7 @@ impl Job {
             .chain(self.turned_over())
             .chain(self.averse_normals())
             .chain(self.within(|| faces_away(self)))
+            .chain(self.within(|| dark_sides(self)))
             .chain(self.too_bright())
             .chain(self.lights_left_out())
             .chain(self.lamps_left_out())
