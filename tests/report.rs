@@ -172,6 +172,42 @@ fn wires_in_a_duct_make_no_interior_of_a_plane_in_the_light() {
     assert!(!told, "{warnings:?}");
 }
 
+/// Of 27 cubes side by side two thirds of the faces lie on one another.
+#[test]
+fn between_cubes_side_by_side_is_no_room() {
+    let mut text = String::from("o cubes\n");
+    for number in 0..27 {
+        let at = [number % 3, number / 3 % 3, number / 9];
+        for k in 0..8 {
+            let [x, y, z] = [0, 1, 2].map(|axis| at[axis] + (k >> axis & 1));
+            text += &format!("v {x} {y} {z}\n");
+        }
+        for side in BOX_SIDES {
+            let [a, b, c, d] = side.map(|corner| 8 * number as u32 + corner + 1);
+            text += &format!("f {a} {b} {c} {d}\n");
+        }
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("cubes.obj");
+    fs::write(&path, text).expect("a file");
+    let told = |flags: &[&str], kind: &str| {
+        let (out, _) = bake(&path, &[&["--size", "128", "--rays", "4"], flags].concat());
+        let baked = report(out.path());
+        let warnings = baked["warnings"].as_array().expect("a list");
+        let found = warnings.iter().find(|of| of["kind"] == kind);
+        found.map(|of| of["message"].to_string())
+    };
+    assert_eq!(told(&[], "interior"), None);
+    let line = told(&[], "hidden-faces").expect("a line");
+    let share: f64 = line[1..]
+        .split(' ')
+        .next()
+        .map_or(0.0, |share| share.parse().expect("a number"));
+    assert!((share - 67.0).abs() < 5.0, "{line}");
+    let around = "--seen-from=-9,9,-9;9,-9,9;-9,-9,-9;9,9,9;-9,9,9;9,-9,-9";
+    assert_eq!(told(&[around], "hidden-faces"), None);
+}
+
 #[test]
 fn a_report_is_one_file_that_a_rebake_takes_along() {
     let folder = tempfile::tempdir().expect("a folder");

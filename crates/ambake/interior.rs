@@ -55,18 +55,24 @@ impl Brightness {
     /// given; bounces help only where some light gets in. None where there are lamps.
     ///
     /// * `hides`: points on outsides of rooms, which nobody within sees.
+    /// * `covers`: dark points that something lies on: between two cubes there is no room.
     /// * `texels`: of the whole atlas.
     pub fn interior(
         &self,
         options: &Options,
         has_lamps: bool,
         hides: impl Fn(&SurfacePoint) -> bool,
+        covers: impl Fn(&SurfacePoint) -> bool,
         texels: u64,
     ) -> Option<WarningReport> {
         if options.max_distance.is_some() || has_lamps {
             return None;
         }
-        let known = self.0.iter().filter(|seen| seen.diffuse.is_some());
+        let is_covered = |seen: &Seen, value: f32| value < DARK && covers(&seen.point);
+        let known = self.0.iter().filter(|seen| {
+            let value = seen.diffuse;
+            value.is_some_and(|value| !is_covered(seen, value))
+        });
         let (hidden, shown): (Vec<_>, Vec<_>) = known.partition(|seen| hides(&seen.point));
         let below = |least: f32| {
             let darker = |seen: &&&Seen| seen.diffuse.is_some_and(|value| value < least);
@@ -173,7 +179,7 @@ mod tests {
     fn a_dark_median_is_an_interior_unless_a_distance_or_bounces_were_given() {
         let pages = surface(&[(0.7, 1), (0.02, 1), (0.05, 1)]);
         let warning = pages
-            .interior(&Options::default(), false, |_| false, 100)
+            .interior(&Options::default(), false, |_| false, |_| false, 100)
             .expect("two of three parts are dark");
         assert!(warning.message.contains("--max-distance"));
         assert!(warning.message.contains("--bounces"));
@@ -181,12 +187,20 @@ mod tests {
         assert_eq!(warning.count, 66);
         let (mut limited, mut bounced) = (Options::default(), Options::default());
         (limited.max_distance, bounced.bounces) = (Some(1.0), Bounces::Auto);
-        assert!(pages.interior(&limited, false, |_| false, 100).is_none());
-        assert!(pages.interior(&bounced, false, |_| false, 100).is_none());
+        assert!(
+            pages
+                .interior(&limited, false, |_| false, |_| false, 100)
+                .is_none()
+        );
+        assert!(
+            pages
+                .interior(&bounced, false, |_| false, |_| false, 100)
+                .is_none()
+        );
         let pages = surface(&[(0.7, 1), (0.9, 1), (0.02, 1), (0.05, 1)]);
         let told = |hidden: u32| {
             let hides = |point: &SurfacePoint| point.triangle < hidden;
-            pages.interior(&Options::default(), false, hides, 100)
+            pages.interior(&Options::default(), false, hides, |_| false, 100)
         };
         assert!(told(0).is_none(), "half is not most");
         assert!(told(1).is_some(), "two of three, but for what lies outside");
@@ -196,7 +210,7 @@ mod tests {
     fn where_no_light_gets_in_nothing_is_said_of_bounces() {
         let pages = surface(&[(0.0004, 5000)]);
         let closed = pages
-            .interior(&Options::default(), false, |_| false, 5000)
+            .interior(&Options::default(), false, |_| false, |_| false, 5000)
             .expect("all is dark");
         assert!(closed.message.contains("--max-distance") && !closed.message.contains("bounces"));
         let bounced = Options {
@@ -204,16 +218,18 @@ mod tests {
             ..Options::default()
         };
         let still = pages
-            .interior(&bounced, false, |_| false, 5000)
+            .interior(&bounced, false, |_| false, |_| false, 5000)
             .map(|warning| warning.message);
         assert_eq!(still, Some(closed.message), "there is nothing to send on");
         assert!(
-            pages.interior(&bounced, true, |_| false, 5000).is_none(),
+            pages
+                .interior(&bounced, true, |_| false, |_| false, 5000)
+                .is_none(),
             "a lamp is in it"
         );
         let pages = surface(&[(0.0004, 5000), (0.05, 50)]);
         let lit = pages
-            .interior(&Options::default(), false, |_| false, 5050)
+            .interior(&Options::default(), false, |_| false, |_| false, 5050)
             .expect("most is dark");
         assert!(lit.message.contains("--bounces"));
     }

@@ -113,6 +113,7 @@ mod facing;
 #[cfg(feature = "flags")]
 #[doc(hidden)]
 pub mod flags;
+mod hidden;
 mod host;
 #[cfg(feature = "write")]
 mod interior;

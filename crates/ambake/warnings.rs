@@ -1,6 +1,7 @@
 //! What a bake warns of before a ray is cast.
 
 use crate::facing::{dark_sides, faces_away};
+use crate::hidden::hidden_faces;
 use crate::job::Job;
 use crate::shell::Shell;
 use ::bake::{AmbientCoefficient, Bounces, Model};
@@ -83,6 +84,7 @@ impl Job {
             .chain(uneven.flatten())
             .chain(self.touching())
             .chain(self.outsides())
+            .chain(self.within(|| hidden_faces(self)))
             .chain(self.inside_out())
             .chain(self.collision_bodies())
             .chain(self.turned_over())

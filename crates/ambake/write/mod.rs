@@ -8,6 +8,7 @@ use crate::any_view;
 use crate::baked::Baked;
 use crate::dome::enclosed;
 use crate::error::Error;
+use crate::hidden::is_hidden;
 use crate::host::VERSION;
 use crate::interior::Brightness;
 use crate::job::Job;
@@ -269,6 +270,7 @@ impl<'a> Writer<'a> {
                 self.job.options(),
                 self.job.has_lamps(),
                 |point| shell.as_ref().is_some_and(|shell| shell.hides(point)),
+                |point| is_hidden(self.job.world(), self.job.backend(), point),
                 self.job.atlas().audit.texels,
             )
         });
