@@ -381,6 +381,8 @@ fn a_dome_that_ends_in_the_plane_of_the_ground_is_named_and_a_tent_and_a_hangar_
     for (name, reach, rings, sectors, expected) in [
         ("a dome", 50, 0..8, 24, 1),
         ("a dome that ends beyond the ground", 20, 0..8, 24, 1),
+        ("a dome without a ground", 0, 0..8, 24, 1),
+        ("a tent on poles without a ground", 0, 1..8, 24, 0),
         ("a tent on poles", 50, 1..8, 24, 0),
         ("a tent on poles, beyond the ground", 20, 1..8, 24, 0),
         ("a hangar, open by a quarter", 50, 0..8, 18, 0),

@@ -21,9 +21,10 @@ const CANDIDATES: usize = 4;
 const OBJECTS: usize = 64;
 const POINTS: u32 = 64;
 const FACES: u32 = 32;
-/// Of the rays of points that see it, or the sky, one in so many may leave it.
+/// Of the rays of points that see it, or the sky over the horizon, one in so many may leave it upward. What leaves
+/// downward does not count: a dome needs no ground.
 const LEAVING: u32 = 200;
-/// One in so many meets it, and of these one in so many may meet something beyond it.
+/// Of those that go upward one in so many meets it, and of these one in so many may meet something beyond it.
 const MEETING: u32 = 10;
 /// Of the faces in a closed body one in so many may lie in no solid.
 const FREE: usize = 16;
@@ -32,11 +33,12 @@ const FREE: usize = 16;
 /// holds something large. What is around most of a scene does not count where light was asked for that needs no sky.
 pub(crate) fn enclosed(job: &Job) -> Option<WarningReport> {
     let (world, backend) = (job.world(), job.backend());
+    let up = job.options().up.direction().into();
     let needs_sky = job.options().max_distance.is_none() && !job.has_lamps();
     let sheet = || {
-        let dome = sheet_around(world, backend)?;
-        let message = "what stands in it sees next to no sky; where it is a sky dome or a shell, `--no-cast NAME` lets \
-                       the light through it";
+        let dome = sheet_around(world, backend, up)?;
+        let message = "what stands in it sees next to no sky over the horizon; where it is a sky dome or a shell, \
+                       `--no-cast NAME` lets the light through it";
         Some((dome.name, message.to_owned()))
     };
     let solid = || {
@@ -81,13 +83,15 @@ fn holder(job: &Job) -> Option<(String, String)> {
 
 /// The instances of what stands around most of a scene and keeps the sky from it, such as a sky dome that blocks light;
 /// none where nothing does. A picture of the scene is taken from within it, see [`render::Framing::fitted`].
-pub fn surrounding(world: &World, backend: &dyn RayBackend) -> Vec<u32> {
-    sheet_around(world, backend).map_or(Vec::new(), |dome| dome.instances)
+///
+/// * `up`: of any length above 0. The sky below the horizon does not count.
+pub fn surrounding(world: &World, backend: &dyn RayBackend, up: DVec3) -> Vec<u32> {
+    sheet_around(world, backend, up).map_or(Vec::new(), |dome| dome.instances)
 }
 
-fn sheet_around(world: &World, backend: &dyn RayBackend) -> Option<ObjectName> {
+fn sheet_around(world: &World, backend: &dyn RayBackend, up: DVec3) -> Option<ObjectName> {
     find(world, |dome, within| {
-        is_sheet_around(world, backend, dome, within)
+        is_sheet_around((world, backend), up, dome, within)
     })
 }
 
@@ -142,7 +146,9 @@ fn holds(outer: Bounds, inner: Bounds) -> bool {
 #[derive(Default)]
 struct Counts {
     cast: u32,
-    /// They leave the scene.
+    /// They go upward.
+    upward: u32,
+    /// They leave the scene upward.
     left: u32,
     /// They meet the sheet first.
     met: u32,
@@ -150,20 +156,21 @@ struct Counts {
     beyond: u32,
 }
 
-/// True where next to no ray from some objects leaves the scene, many meet a further one first, and nothing is
+/// True where next to no ray from some objects leaves the scene upward, many meet a further one first, and nothing is
 /// beyond it. Points before which other things stand all around do not count.
 fn is_sheet_around(
-    world: &World,
-    backend: &dyn RayBackend,
+    (world, backend): (&World, &dyn RayBackend),
+    up: DVec3,
     sheet: &ObjectName,
     within: &[&ObjectName],
 ) -> bool {
     let mut sums = Counts::default();
     let points = within.iter().flat_map(|of| points_on(world, of, POINTS));
     for point in points {
-        let of = from_point((world, backend), sheet, &point);
+        let of = from_point((world, backend), up, sheet, &point);
         if of.met + of.left > 0 {
             sums.cast += of.cast;
+            sums.upward += of.upward;
             sums.left += of.left;
             sums.met += of.met;
             sums.beyond += of.beyond;
@@ -171,11 +178,12 @@ fn is_sheet_around(
     }
     let Counts {
         cast,
+        upward,
         left,
         met,
         beyond,
     } = sums;
-    met > 0 && left <= cast / LEAVING && met >= cast / MEETING && beyond <= met / MEETING
+    met > 0 && left <= cast / LEAVING && met >= upward / MEETING && beyond <= met / MEETING
 }
 
 /// Faces of objects, an instance and a triangle each.
@@ -216,6 +224,7 @@ fn buries(world: &World, solid: &ObjectName, objects: &[&ObjectName]) -> bool {
 /// ground, which looks out below it.
 fn from_point(
     (world, backend): (&World, &dyn RayBackend),
+    up: DVec3,
     sheet: &ObjectName,
     point: &SurfacePoint,
 ) -> Counts {
@@ -227,10 +236,12 @@ fn from_point(
         return counts;
     }
     for direction in over(stand.normal) {
+        let is_upward = u32::from(direction.dot(up) > 0.0);
         counts.cast += 1;
+        counts.upward += is_upward;
         let ray = stand.ray(stand.normal, direction);
         match backend.closest(&ray) {
-            None => counts.left += 1,
+            None => counts.left += is_upward,
             Some(hit) if sheet.instances.contains(&hit.instance) => {
                 let beyond = Ray {
                     t_min: hit.t + stand.off as f32,

@@ -149,7 +149,7 @@ fn look(job: &Job) -> Option<Vec<Lit>> {
         up: options.up.direction().into(),
         ..Framing::default()
     };
-    let around = surrounding(world, job.backend());
+    let around = surrounding(world, job.backend(), framing.up);
     let fitted = framing.fitted(world, job.backend(), &around, false).ok()?;
     let edge = job.atlas().page_size;
     let look = |camera| Lit::look(&direct, camera, grid, &(), edge, |hit| place(job, hit)).ok();

@@ -64,7 +64,7 @@ pub fn write(dir: &Path) -> anyhow::Result<PathBuf> {
         size: [800, 600],
         ..Framing::default()
     };
-    let around = ambake::surrounding(&world, backend.as_ref());
+    let around = ambake::surrounding(&world, backend.as_ref(), framing.up);
     let camera = framing.fitted(&world, backend.as_ref(), &around, false)?;
     let distance = (world.bounds().center() - camera.eye).dot(camera.forward);
     let look = camera.eye

@@ -30,7 +30,7 @@ pub fn draw(
     let fitted = lightmap.is_some() && args.view.eye.is_none();
     let camera = match fitted {
         true => {
-            let around = surrounding(world, backend);
+            let around = surrounding(world, backend, framing.up);
             framing.fitted(world, backend, &around, args.view.fov_deg.is_some())?
         }
         false => framing.camera(world)?,
