@@ -1,4 +1,4 @@
-//! `ambake.toml` beside a scene: flags of the verbs that take a scene, which need not be typed again.
+//! `ambake.toml` beside what a verb reads, a scene, the folder of a bake or a picture: flags that need not be typed again.
 //!
 //! ```toml
 //! [bake]                    # every scene of the folder
@@ -16,6 +16,12 @@
 //!
 //! [probes]                  # `ambake probes`; so are [render] and [fit], and [scene."hall.glb".probes]
 //! spacing = 2
+//!
+//! [export]                  # of a finished bake; so are [view] and [compare]
+//! for = ["godot"]
+//!
+//! [map.specular]            # so are all verbs of `ambake map`
+//! exponent = 100
 //! ```
 //!
 //! What is typed wins over the file. The file's options are put before the typed ones and both are read by the same
@@ -33,8 +39,14 @@ use toml::{Table, Value};
 /// The name of the file.
 pub const PROJECT_FILE: &str = "ambake.toml";
 
-/// The verbs with a table of their own. The others that take a scene share that of `bake`.
+/// The verbs with a table of their own that take a scene. The others that take one share the table of `bake`.
 const OWN: [&str; 3] = ["probes", "render", "fit"];
+
+/// Those that take the folder of a finished bake.
+const OF_FOLDERS: [&str; 3] = ["export", "view", "compare"];
+
+/// The verb whose own verbs have tables below its name: `[map.specular]`.
+const GROUP: &str = "map";
 
 /// Options of the file that are left out where another one of them is typed, beside those of which the grammar says so.
 const EITHER: [&[&str]; 4] = [
@@ -45,47 +57,75 @@ const EITHER: [&[&str]; 4] = [
 ];
 
 /// Options whose value may be a file or a folder that lies beside the project file.
-const PATHS: [&str; 3] = ["sky", "bake", "probes"];
+const PATHS: [&str; 5] = ["sky", "bake", "probes", "response", "table"];
 
 /// Flags that are for one run alone.
 const ONCE: [&str; 8] = [
     "output", "fresh", "resume", "shard", "update", "verify", "after", "json",
 ];
 
-/// What was typed, with the options of the verb's own table in the project file beside the scene; without such a verb or
-/// file, what was typed.
+/// What was typed, with the options of the verb's own table in the project file beside what it reads; without such a verb
+/// or file, what was typed.
 ///
 /// # Errors
 /// One line that names the file, the table and the option.
 pub fn with_own_table(typed: Vec<OsString>) -> anyhow::Result<Vec<OsString>> {
     // Something that is required may stand in the file.
-    let found = Args::grammar()
+    let grammar = Args::grammar();
+    let found = grammar
+        .clone()
         .ignore_errors(true)
         .try_get_matches_from(&typed);
     let Some((verb, below)) = found.as_ref().ok().and_then(ArgMatches::subcommand) else {
         return Ok(typed);
     };
-    let scene = below.try_get_one::<PathBuf>("scene").ok().flatten();
-    let scene = scene.filter(|_| OWN.contains(&verb));
-    let Some((scene, path)) = scene.and_then(|scene| Some((scene, beside(scene)?))) else {
+    let (verb, below) = match below.subcommand() {
+        Some((own, below)) if verb == GROUP => (format!("{verb}.{own}"), below),
+        _ => (verb.to_owned(), below),
+    };
+    let has_table = [OWN, OF_FOLDERS].concat().contains(&&*verb) || verb.contains('.');
+    let Some(read_path) = first_path(&grammar, &verb, below).filter(|_| has_table) else {
+        return Ok(typed);
+    };
+    let Some(path) = beside(&read_path) else {
         return Ok(typed);
     };
     let more = read(&path).and_then(|table| {
-        let flags = flags(&path, &table, scene, (verb, below));
+        let flags = flags(&path, &table, &read_path, (&verb, below));
         flags.with_context(|| path.display().to_string())
     })?;
-    Ok(between(&typed, verb, more))
+    Ok(between(&typed, &verb, more))
 }
 
-/// The project file of a scene, where there is one.
-fn beside(scene: &Path) -> Option<PathBuf> {
-    let path = scene.with_file_name(PROJECT_FILE);
-    (scene != Path::new("-") && path.is_file()).then_some(path)
+/// The scene, folder or picture that a verb was given first.
+fn first_path(grammar: &Command, verb: &str, typed: &ArgMatches) -> Option<PathBuf> {
+    let first = command(grammar, verb)?.get_positionals().next()?;
+    let mut words = typed.try_get_raw(first.get_id().as_str()).ok()??;
+    words.next().map(PathBuf::from)
+}
+
+/// The grammar of a verb; `map.specular` is a verb of `map`.
+fn command<'a>(grammar: &'a Command, verb: &str) -> Option<&'a Command> {
+    let mut names = verb.split('.');
+    names.try_fold(grammar, |command, name| command.find_subcommand(name))
+}
+
+/// The project file beside a scene, a folder or a picture, where there is one.
+fn beside(read: &Path) -> Option<PathBuf> {
+    // The folder `.` has its name one folder up.
+    let path = match read.file_name() {
+        Some(_) => read.with_file_name(PROJECT_FILE),
+        None => std::path::absolute(read).ok()?.with_file_name(PROJECT_FILE),
+    };
+    (read != Path::new("-") && path.is_file()).then_some(path)
 }
 
 /// What was typed, with more flags after the verb.
 fn between(typed: &[OsString], verb: &str, more: Vec<String>) -> Vec<OsString> {
-    let at = typed.iter().position(|word| word == verb).unwrap_or(0) + 1;
+    let at = verb.split('.').fold(0, |from, name| {
+        let place = typed[from..].iter().position(|word| word == name);
+        from + place.unwrap_or(0) + 1
+    });
     let more = more.into_iter().map(OsString::from);
     let words = typed[..at].iter().cloned().chain(more);
     words.chain(typed[at..].iter().cloned()).collect()
@@ -167,13 +207,27 @@ fn tables<'a>(table: &'a Table, scene: &str) -> anyhow::Result<Tables<'a>> {
             bail!("`{title}` stands outside of a table; write it below [bake]");
         }
         match title.as_str() {
-            own if own == "bake" || OWN.contains(&own) => {
-                found.push((own.to_owned(), own, true, as_table(own, content)?));
+            own if own == "bake" || OWN.contains(&own) || OF_FOLDERS.contains(&own) => {
+                found.push((
+                    own.to_owned(),
+                    own.to_owned(),
+                    true,
+                    as_table(own, content)?,
+                ));
+            }
+            GROUP => {
+                for (own, content) in as_table(GROUP, content)? {
+                    let title = format!("{GROUP}.{own}");
+                    let content = content.as_table().with_context(|| {
+                        format!("`{own}` stands in [{GROUP}], which has a table for each verb: [{GROUP}.specular]")
+                    })?;
+                    found.push((title.clone(), title, true, content));
+                }
             }
             "scene" | "object" => {}
             other => bail!(
-                "unknown table [{other}]; there are [bake], [{}], [scene.\"FILE\"] and [object.\"NAME\"]",
-                OWN.join("], [")
+                "unknown table [{other}]; there are [bake], [{}], [{GROUP}.VERB], [scene.\"FILE\"] and [object.\"NAME\"]",
+                [OWN, OF_FOLDERS].concat().join("], [")
             ),
         }
     }
@@ -190,16 +244,17 @@ fn tables<'a>(table: &'a Table, scene: &str) -> anyhow::Result<Tables<'a>> {
         for verb in OWN {
             if let Some(value) = own.get(verb) {
                 let title = format!("{title}.{verb}");
-                found.push((title.clone(), verb, name == scene, as_table(&title, value)?));
+                let own = as_table(&title, value)?;
+                found.push((title, verb.to_owned(), name == scene, own));
             }
         }
-        found.push((title, "bake", name == scene, own));
+        found.push((title, "bake".to_owned(), name == scene, own));
     }
     Ok(found)
 }
 
 /// Tables of options: the title of each, the verb whose flags it holds, whether they are for the scene, and itself.
-type Tables<'a> = Vec<(String, &'a str, bool, &'a Table)>;
+type Tables<'a> = Vec<(String, String, bool, &'a Table)>;
 
 /// The file's options for a scene as flags of a verb, but for those that were typed.
 fn flags(
@@ -211,7 +266,9 @@ fn flags(
     let name = scene.file_name().unwrap_or_default().to_string_lossy();
     let mut grammar = Args::grammar();
     grammar.build();
-    let verbs = |verb: &str| grammar.find_subcommand(verb).context("no such verb");
+    let verbs = |verb: &str| {
+        command(&grammar, verb).with_context(|| format!("[{verb}]: there is no such verb"))
+    };
     let mut options: Vec<(String, String, &Value)> = Vec::new();
     let mut flags = Vec::new();
     if let ("bake", Some(objects)) = (verb, table.get("object").and_then(Value::as_table)) {
@@ -236,8 +293,9 @@ fn flags(
                 bail!("`{key}` in [{title}] belongs to one run: type it");
             }
             // A typo is told by whichever verb reads the file, for whichever scene.
-            let known = find(verbs(of)?, key);
+            let known = find(verbs(&of)?, key);
             known.with_context(|| {
+                let of = of.replace('.', " ");
                 format!("unknown option `{key}` in [{title}]; options are the flags of `ambake {of} --help` without dashes")
             })?;
             if of == verb && is_own {
@@ -362,131 +420,4 @@ fn words(value: &Value) -> Option<Vec<String>> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn job(file: &str, typed: &str) -> anyhow::Result<ambake::flags::bake::Job> {
-        let table: Table = file.parse().expect("TOML");
-        let typed = format!("ambake bake folder/hall.glb -o out {typed}");
-        let typed: Vec<OsString> = typed.split_whitespace().map(OsString::from).collect();
-        let path = Path::new("folder/ambake.toml");
-        let args = with_flags(&typed, |typed| {
-            flags(path, &table, Path::new("folder/hall.glb"), ("bake", typed))
-        })?;
-        match args.verb {
-            Verb::Bake(bake) => Ok(bake.job),
-            _ => unreachable!("bake was typed"),
-        }
-    }
-
-    #[test]
-    fn typed_flags_win_over_the_scene_and_the_scene_over_the_folder() {
-        let file = "[bake]\nsize = 64\nrays = 8\nlayers = ['bent', 'normal']\nnormal-maps = true\nsky = [1, 0.5, 0.25]\n\
-            [scene.'hall.glb']\nsize = 128\n[scene.'other.glb']\nsize = 256\n[object.'wall*']\ndensity = 20\nexclude = false\ncast = false\nburied = 'keep'";
-        let plain = job(file, "").unwrap();
-        assert_eq!((plain.size, plain.rays, plain.layers.len()), (128, 8, 2));
-        assert!(plain.normal_maps);
-        assert_eq!(plain.density_of, [("wall*".to_owned(), 20.0)]);
-        assert_eq!(plain.no_cast, ["wall*"]);
-        assert_eq!(plain.buried_of.len(), 1);
-        assert!(plain.buried_of[0].0 == "wall*" && plain.buried_of[0].1 == ambake::Buried::Keep);
-        let typed = job(file, "--size 32 --target-error 0.1 --density-of door=4").unwrap();
-        assert_eq!((typed.size, typed.target_error), (32, Some(0.1)));
-        assert_eq!(typed.density_of.len(), 2, "later ones win, so both stand");
-        assert_eq!(typed.density_of[1].0, "door");
-    }
-
-    #[test]
-    fn verbs_with_a_table_of_their_own_take_theirs_alone_and_it_may_hold_what_is_required() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let file = "[bake]\nsize = 64\n[probes]\nspacing = 2\nrays = 128\noutput = 'x'\n[scene.'hall.glb'.probes]\nrays = 256\nbake = 'baked'\n\
-            [render]\nsize = '32x16'";
-        let write =
-            |text: &str| std::fs::write(folder.path().join(PROJECT_FILE), text).expect("written");
-        std::fs::create_dir(folder.path().join("baked")).expect("a folder");
-        let words = |verb: &str, more: &str| -> Vec<OsString> {
-            let scene = folder.path().join("hall.glb");
-            let words = ["ambake".into(), verb.into(), scene.into_os_string()].into_iter();
-            words
-                .chain(more.split_whitespace().map(OsString::from))
-                .collect()
-        };
-        write(file);
-        let error = with_own_table(words("probes", "-o out")).expect_err("the scene is absent");
-        assert!(format!("{error:#}").contains("[scene.\"hall.glb\"] names no file"));
-        std::fs::write(folder.path().join("hall.glb"), "").expect("written");
-        write(file);
-        let error = with_own_table(words("probes", "-o out")).expect_err("output is typed");
-        assert!(format!("{error:#}").contains("`output` in [probes] belongs to one run"));
-        write(&file.replace("output = 'x'", ""));
-        let probes = |more: &str| match Args::of(with_own_table(words("probes", more))?)?.verb {
-            Verb::Probes(probes) => anyhow::Ok(probes.job),
-            _ => unreachable!("probes was typed"),
-        };
-        let plain = probes("-o out").expect("all that is required");
-        assert_eq!((plain.spacing, plain.rays), (Some(2.0), 256));
-        assert_eq!(plain.bake, Some(folder.path().join("baked")));
-        // Places and numbers of rays are of one kind or another.
-        let typed = probes("-o out --at 0,1,0 --target-error 0.1").expect("all that is required");
-        assert_eq!((typed.spacing, typed.at.len(), typed.rays), (None, 1, 1024));
-        assert!(
-            with_own_table(words("render", ""))
-                .expect("words")
-                .contains(&"--size=32x16".into())
-        );
-        let untouched = words("view", "");
-        assert_eq!(with_own_table(untouched.clone()).expect("words"), untouched);
-    }
-
-    #[test]
-    fn objects_of_one_scene_are_named_below_it() {
-        let file = "[object.wall]\ndensity = 20\n[scene.'hall.glb'.object.altar]\ndensity = 80\n[scene.'other.glb'.object.door]\ndensity = 4";
-        let found = job(file, "").unwrap().density_of;
-        assert_eq!(
-            found,
-            [("wall".to_owned(), 20.0), ("altar".to_owned(), 80.0)]
-        );
-    }
-
-    #[test]
-    fn what_is_wrong_is_one_line_that_names_the_place() {
-        for (file, word) in [
-            ("size = 64", "outside of a table"),
-            ("[bake]\nsise = 64", "unknown option `sise` in [bake]"),
-            ("[bake]\nsize = 0", "--size"),
-            ("[bake]\nsize = 'big'", "--size"),
-            ("[bake]\nsize = {}", "`size` in [bake]"),
-            (
-                "[bake]\noutput = 'x'",
-                "`output` in [bake] belongs to one run",
-            ),
-            ("[scenes]\n", "unknown table [scenes]"),
-            ("[scene]\nrays = 3", "`rays` stands in [scene]"),
-            ("[object]\ndensity = 3", "`density` stands in [object]"),
-            ("[bake]\nsun = [[1, 2, 3, 4]]", "a list of lists"),
-            ("[scene.'other.glb']\nsise = 3", "in [scene.\"other.glb\"]"),
-            ("[scene.'other.glb'.object.x]\ndensty = 3", "`densty = 3`"),
-            ("[probes]\nsize = 4", "unknown option `size` in [probes]"),
-            (
-                "[scene.'hall.glb'.render]\nrais = 4",
-                "in [scene.\"hall.glb\".render]",
-            ),
-            ("[object.wall]\nrays = 4", "[object.\"wall\"]"),
-            (
-                "[scene.'hall.glb'.object.wall]\nrays = 4",
-                "[object.\"wall\"]",
-            ),
-            ("[scene.'hall.glb']\nobject = 3", "unknown option `object`"),
-            ("[bake]\nlayers = []", "`layers` in [bake]"),
-        ] {
-            let Err(error) = job(file, "") else {
-                panic!("{file} was taken");
-            };
-            let text = format!("{error:#}");
-            assert!(
-                text.contains(word) && !text.contains('\n'),
-                "{file}: {text}"
-            );
-        }
-    }
-}
+mod tests;
