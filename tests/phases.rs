@@ -51,22 +51,27 @@ fn every_phase_of_a_bake_is_told_and_counts_all_texels() {
             "planning",
             "building the ray scene",
             "laying out",
+            "making charts",
+            "packing charts",
             "baking",
             "denoising and closing seams",
             "gather 1",
             "last gather"
         ]
     );
-    let texels = heard[3].2;
+    let (triangles, texels) = (heard[3].2, heard[5].2);
     for (name, done, total) in &heard {
-        let counts = ["baking", "gather 1", "last gather"].contains(&name.as_str());
-        assert_eq!(
-            (*done, *total),
-            if counts { (texels, texels) } else { (0, 0) },
-            "{name}"
-        );
+        let all = match name.as_str() {
+            "making charts" => triangles,
+            "baking" | "gather 1" | "last gather" => texels,
+            _ => 0,
+        };
+        assert_eq!((*done, *total), (all, all), "{name}");
     }
-    assert!(texels > 1000, "{texels}");
+    assert!(
+        triangles > 100 && texels > 1000,
+        "{triangles} triangles, {texels} texels"
+    );
 }
 
 #[test]
@@ -75,6 +80,8 @@ fn a_bake_is_cancelled_in_any_phase() {
         "planning",
         "building the ray scene",
         "laying out",
+        "making charts",
+        "packing charts",
         "baking",
         "gather 1",
     ] {

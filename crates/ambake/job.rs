@@ -127,7 +127,6 @@ impl Job {
                     .and_then(|path| read(path, &scene, &options))
             };
             begin("laying out")?;
-            let cancelled = || progress.cancelled();
             let layout = || {
                 let seen = oracle(&options, &world, backend.as_ref());
                 let stable = earlier
@@ -136,7 +135,7 @@ impl Job {
                 match stable.or(served).or_else(file) {
                     Some(atlas) => Ok(atlas),
                     None => {
-                        atlas::layout_seen(&scene.0, &options.layout(), seen.as_deref(), &cancelled)
+                        atlas::layout_seen(&scene.0, &options.layout(), seen.as_deref(), progress)
                     }
                 }
             };

@@ -70,18 +70,24 @@ pub struct Phases {
 
 /// Where a job is.
 struct Now {
-    phase: Mutex<String>,
+    meter: Meter,
+    /// When its phase began to count, and at what.
+    began: Mutex<Option<(Instant, Seen)>>,
     started: Instant,
     over: AtomicBool,
+    /// When the bar was drawn last, in milliseconds from the start.
+    drawn: AtomicU64,
 }
 
 impl Phases {
     /// Shows nothing where `quiet`.
     pub fn new(quiet: bool) -> Phases {
         let now = Arc::new(Now {
-            phase: Mutex::default(),
+            meter: Meter::default(),
+            began: Mutex::default(),
             started: Instant::now(),
             over: AtomicBool::new(false),
+            drawn: AtomicU64::new(0),
         });
         let plain = !quiet && !std::io::stderr().is_terminal() && !limits_addresses();
         let teller = plain.then(|| {
@@ -97,6 +103,15 @@ impl Phases {
     }
 }
 
+impl Phases {
+    fn draw(&self) {
+        let seen = self.now.meter.look();
+        self.bar.set_length(seen.total);
+        self.bar.set_position(seen.done);
+        self.bar.set_message(self.now.line());
+    }
+}
+
 impl Now {
     /// Prints the phase now and then, less and less often: a preparation may take hours.
     fn tell(&self) {
@@ -106,10 +121,22 @@ impl Now {
             let elapsed = self.started.elapsed();
             if lines.due(elapsed) {
                 lines.slow(elapsed);
-                let phase = self.phase.lock().unwrap_or_else(PoisonError::into_inner);
-                note(&format!("{phase}, {} s", elapsed.as_secs()));
+                note(&format!("{}, {} s", self.line(), elapsed.as_secs()));
             }
         }
+    }
+
+    /// The phase, and how far it is where it counts.
+    fn line(&self) -> String {
+        let seen = self.meter.look();
+        let mut began = self.began.lock().unwrap_or_else(PoisonError::into_inner);
+        if seen.total == 0 {
+            *began = None;
+        }
+        let (then, before) = *began.get_or_insert((Instant::now(), seen));
+        let phase = self.meter.phase.lock();
+        let phase = phase.unwrap_or_else(PoisonError::into_inner);
+        status((&phase, "triangles"), seen, before, then.elapsed())
     }
 }
 
@@ -125,16 +152,22 @@ impl Drop for Phases {
 }
 
 impl Progress for Phases {
-    fn advance(&self, _done: u64, _total: u64) {}
+    fn advance(&self, done: u64, total: u64) {
+        self.now.meter.advance(done, total);
+        // Charts may be many and small: the bar is drawn ten times a second at most.
+        let now = self.now.started.elapsed().as_millis() as u64;
+        let before = self.now.drawn.load(Ordering::Relaxed);
+        if now >= before + TICK.as_millis() as u64 {
+            self.now.drawn.store(now, Ordering::Relaxed);
+            self.draw();
+        }
+    }
 
     fn phase(&self, name: &str) {
-        self.bar.set_message(name.to_owned());
-        let mut phase = self
-            .now
-            .phase
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner);
-        name.clone_into(&mut phase);
+        self.now.meter.phase(name);
+        let began = self.now.began.lock();
+        *began.unwrap_or_else(PoisonError::into_inner) = None;
+        self.draw();
     }
 
     fn note(&self, line: &str) {
@@ -401,6 +434,22 @@ mod tests {
             "gather 2: 25 of 100 texels, 30 seconds left"
         );
         assert_eq!(ray_rate(120_000, 3.0), "40 thousand rays/s");
+    }
+
+    #[test]
+    fn phases_of_a_preparation_count_where_they_can() {
+        let phases = Phases::new(true);
+        phases.phase("planning");
+        assert_eq!(phases.now.line(), "planning");
+        phases.phase("making charts");
+        phases.advance(0, 40);
+        assert_eq!(phases.now.line(), "making charts: 0 of 40 triangles");
+        phases.advance(10, 40);
+        let line = phases.now.line();
+        let begin = "making charts: 10 of 40 triangles, ";
+        assert!(line.starts_with(begin) && line.ends_with(" left"), "{line}");
+        phases.phase("packing charts");
+        assert_eq!(phases.now.line(), "packing charts");
     }
 
     #[test]

@@ -13,6 +13,7 @@ use crate::sheet::Sheet;
 use crate::uv::twice_area;
 use crate::{Atlas, Audit, Error, MeshLayout, Options, Placement, Seen, UvSource};
 use glam::{DVec2, Vec2};
+use layers::Progress;
 use rayon::prelude::*;
 use scene::Scene;
 
@@ -41,7 +42,7 @@ pub(crate) fn unwrap(
     options: &Options,
     authored: Option<&[MeshLayout]>,
     seen: Option<&Seen<'_>>,
-    cancel: &(dyn Fn() -> bool + Sync),
+    progress: &dyn Progress,
 ) -> Result<Atlas, Error> {
     let mut object_of = vec![0; scene.instances.len()];
     for (o, object) in objects.iter().enumerate() {
@@ -52,7 +53,7 @@ pub(crate) fn unwrap(
     let included: Vec<bool> = object_of.iter().map(|&o| objects[o].included).collect();
     let mut sheets = match authored {
         Some(layouts) => authored_sheets(scene, &included, layouts),
-        None => sheets(scene, &included, cancel)?,
+        None => sheets(scene, &included, progress)?,
     };
     let mut objects = objects.to_vec();
     if let Some(seen) = seen {
@@ -68,7 +69,7 @@ pub(crate) fn unwrap(
     }
     let mut rounds = if authored.is_none() { ROUNDS } else { 0 };
     loop {
-        let (atlas, findings) = arrange(scene, (&objects, &object_of), &sheets, options, cancel)?;
+        let (atlas, findings) = arrange(scene, (&objects, &object_of), &sheets, options, progress)?;
         if findings.clean() {
             return Ok(atlas);
         }
@@ -114,7 +115,7 @@ fn arrange(
     (objects, object_of): (&[Object], &[usize]),
     sheets: &[Sheet],
     options: &Options,
-    cancel: &(dyn Fn() -> bool + Sync),
+    progress: &dyn Progress,
 ) -> Result<(Atlas, Findings), Error> {
     let cut = |densities: &[f64], draft: bool| {
         let of = |instance: u32| densities[object_of[instance as usize]];
@@ -124,7 +125,7 @@ fn arrange(
         densities,
         packed,
         kept,
-    } = search(objects, options, cancel, cut)?;
+    } = search(objects, options, progress, cut)?;
     let mut atlas = Atlas {
         page_size: options.page_size,
         page_count: packed.pages.max(1),
@@ -149,7 +150,7 @@ fn arrange(
     };
     let of = |instance: u32| densities[object_of[instance as usize]];
     let specks = settle(&mut atlas, sheets, &kept, &packed.spots, of);
-    if cancel() {
+    if progress.cancelled() {
         return Err(Error::Cancelled);
     }
     let findings = audit(scene, &atlas);

@@ -4,9 +4,11 @@ use crate::Error;
 use crate::measure::{mesh_area, world_area};
 use crate::parts::{parts, weld};
 use crate::sheet::Sheet;
+use crate::told::{OfMesh, Told};
 use crate::twins::{self, Shape};
 use crate::unwrap::Handed;
 use glam::{DMat3, DVec3, Vec3};
+use layers::Progress;
 use rayon::prelude::*;
 use scene::{Mesh, Scene};
 
@@ -24,8 +26,9 @@ pub(crate) fn users(scene: &Scene, included: &[bool]) -> Vec<Vec<u32>> {
 pub(crate) fn sheets(
     scene: &Scene,
     included: &[bool],
-    cancel: &(dyn Fn() -> bool + Sync),
+    progress: &dyn Progress,
 ) -> Result<Vec<Sheet>, Error> {
+    progress.phase("making charts");
     let placed: Vec<(usize, Vec<u32>)> = users(scene, included)
         .into_iter()
         .enumerate()
@@ -51,8 +54,16 @@ pub(crate) fn sheets(
             welded,
         })
     });
-    let sheet =
-        |(i, placed): (usize, &Placed)| (firsts[i] == i).then(|| sheet(scene, placed, cancel));
+    let own = (0..meshes.len()).filter(|&i| firsts[i] == i);
+    let told = Told::new(progress, own.map(|i| sizes[i][1]).sum());
+    let sheet = |(i, placed): (usize, &Placed)| {
+        (firsts[i] == i).then(|| {
+            let told = told.mesh(sizes[i][1]);
+            let made = sheet(scene, placed, &told);
+            told.finish();
+            made
+        })
+    };
     let made: Vec<_> = placed
         .par_iter()
         .with_max_len(1)
@@ -140,16 +151,12 @@ fn unit(mesh: &Mesh, corners: &[DVec3]) -> Option<Unit> {
 }
 
 /// The charts of one mesh.
-fn sheet(
-    scene: &Scene,
-    placed: &Placed,
-    cancel: &(dyn Fn() -> bool + Sync),
-) -> Result<Sheet, Error> {
+fn sheet(scene: &Scene, placed: &Placed, told: &OfMesh<'_>) -> Result<Sheet, Error> {
     let data = &scene.meshes[placed.mesh];
     let shaped = placed.corners(data);
     let Unit { positions, size } =
         unit(data, &shaped).ok_or_else(|| extent(scene, placed.instances[0]))?;
-    let (faces, parts) = parts(data, &positions, cancel);
+    let (faces, parts) = parts(data, &positions, told);
     let mut sheet = Sheet {
         mesh: placed.mesh,
         instances: placed.instances.clone(),
@@ -175,13 +182,13 @@ fn sheet(
             unit: size,
         };
         // By itself, about 1 in size, most that is spoilt is flattened after all.
-        for (part, scale) in sheet.unwrap(data, &parts, whole, cancel)? {
+        for (part, scale) in sheet.unwrap(data, &parts, whole, told)? {
             let alone = Handed {
                 triangles: part.triangles.len(),
                 area: part.area(),
                 unit: size * scale,
             };
-            for (part, scale) in sheet.unwrap(data, &[part], alone, cancel)? {
+            for (part, scale) in sheet.unwrap(data, &[part], alone, told)? {
                 for face in part.faces() {
                     sheet.add(&face, data, scale * alone.unit);
                 }

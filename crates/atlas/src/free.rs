@@ -12,6 +12,7 @@ use crate::search::{Cut, MOST_PAGES};
 use crate::uv::{corners, page};
 use crate::{Atlas, Options, Pages, Placement, Seen};
 use glam::{DVec2, Vec2};
+use layers::Progress;
 use rayon::prelude::*;
 use scene::Scene;
 use std::cmp::Reverse;
@@ -47,9 +48,9 @@ pub(crate) fn insert(
     new: &Newcomers<'_>,
     options: &Options,
     seen: Option<&Seen<'_>>,
-    cancel: &(dyn Fn() -> bool + Sync),
+    progress: &dyn Progress,
 ) -> Option<()> {
-    let mut sheets = sheets(scene, new.anew, cancel).ok()?;
+    let mut sheets = sheets(scene, new.anew, progress).ok()?;
     if let Some(seen) = seen {
         hide(&mut sheets, seen, options.cut_hidden);
     }
@@ -83,11 +84,11 @@ pub(crate) fn insert(
             shapes.push(vec![mask]);
             groups.push(groups.last().map_or(0, |last| last + 1));
         }
-        if let Some((spots, count)) = fit(&shapes, &groups, pages.clone(), most, cancel) {
+        if let Some((spots, count)) = fit(&shapes, &groups, pages.clone(), most, progress) {
             break (tiles, charts, spots, count);
         }
         shrink *= STEP;
-        if shrink < LEAST || cancel() {
+        if shrink < LEAST || progress.cancelled() {
             return None;
         }
     };
@@ -155,7 +156,7 @@ fn fit(
     groups: &[u32],
     mut pages: Vec<Page>,
     most: u32,
-    cancel: &(dyn Fn() -> bool + Sync),
+    progress: &dyn Progress,
 ) -> Option<(Vec<Spot>, u32)> {
     let all: Vec<usize> = (0..shapes.len()).collect();
     let area =
@@ -169,7 +170,7 @@ fn fit(
     for (area, members) in waiting {
         let mut number = 0;
         let placed = loop {
-            if cancel() {
+            if progress.cancelled() {
                 return None;
             }
             let Some(page) = pages.get(number) else {

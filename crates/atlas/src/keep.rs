@@ -9,6 +9,7 @@ use crate::search::{Cut, Found, search};
 use crate::uv::corners;
 use crate::{Atlas, Audit, Error, MeshLayout, Options, Placement, UvSource, Why};
 use glam::{DVec2, Vec2};
+use layers::Progress;
 use scene::{Mesh, Scene};
 
 /// Coordinates this far outside 0..1 are taken for rounding and clamped: a sixtieth of a texel on the largest page.
@@ -25,7 +26,7 @@ pub(crate) fn keep(
     objects: &[Object],
     options: &Options,
     set: u32,
-    cancel: &(dyn Fn() -> bool + Sync),
+    progress: &dyn Progress,
 ) -> Result<Atlas, Error> {
     let mut included = vec![true; scene.instances.len()];
     for object in objects.iter().filter(|o| !o.included) {
@@ -96,7 +97,7 @@ pub(crate) fn keep(
             });
         }
     }
-    repack(scene, &mut atlas, &squares, &areas, options, cancel)?;
+    repack(scene, &mut atlas, &squares, &areas, options, progress)?;
     checked(scene, &mut atlas, set)?;
     Ok(atlas)
 }
@@ -222,7 +223,7 @@ fn repack(
     squares: &[Object],
     areas: &[f64],
     options: &Options,
-    cancel: &(dyn Fn() -> bool + Sync),
+    progress: &dyn Progress,
 ) -> Result<(), Error> {
     let shapes: Vec<Square> = squares
         .iter()
@@ -247,7 +248,7 @@ fn repack(
     };
     let Found {
         densities, packed, ..
-    } = search(squares, options, cancel, cut)?;
+    } = search(squares, options, progress, cut)?;
     atlas.page_count = packed.pages.max(1);
     for (((square, shape), spot), density) in squares
         .iter()

@@ -5,6 +5,7 @@ use crate::keep::{keep, note};
 use crate::objects::objects;
 use crate::touching::is_touching;
 use crate::{Atlas, Error, Options, Pages, SurfacePoint, UvMode, UvSource, Why};
+use layers::Progress;
 use scene::Scene;
 
 /// Tells whether any of some points of one triangle in one place can be seen. It is asked from any thread.
@@ -24,10 +25,24 @@ pub fn layout(
     options: &Options,
     cancel: &(dyn Fn() -> bool + Sync),
 ) -> Result<Atlas, Error> {
-    layout_seen(scene, options, None, cancel)
+    layout_seen(scene, options, None, &Until(cancel))
+}
+
+/// A listener that only says when to stop.
+struct Until<'a>(&'a (dyn Fn() -> bool + Sync));
+
+impl Progress for Until<'_> {
+    fn advance(&self, _done: u64, _total: u64) {}
+
+    fn cancelled(&self) -> bool {
+        (self.0)()
+    }
 }
 
 /// As [`layout`], with the smallest place for charts of which `seen` holds for no sample point: they take a texel.
+///
+/// `progress` hears of two phases where charts are made. In `making charts` it is told how many triangles of distinct
+/// meshes lie in charts, in `packing charts` nothing more.
 ///
 /// # Errors
 ///
@@ -36,7 +51,7 @@ pub fn layout_seen(
     scene: &Scene,
     options: &Options,
     seen: Option<&Seen<'_>>,
-    cancel: &(dyn Fn() -> bool + Sync),
+    progress: &dyn Progress,
 ) -> Result<Atlas, Error> {
     if !(1..=16384).contains(&options.page_size) {
         return Err(Error::PageSize(options.page_size));
@@ -54,14 +69,14 @@ pub fn layout_seen(
     if options.uv != UvMode::Unwrap {
         let mut refusal = None;
         for set in [1, 0] {
-            if cancel() {
+            if progress.cancelled() {
                 return Err(Error::Cancelled);
             }
-            match keep(scene, &objects, options, set, cancel) {
+            match keep(scene, &objects, options, set, progress) {
                 Ok(mut atlas) => {
                     if options.uv == UvMode::Auto && is_touching(scene, &atlas) {
                         let meshes = Some(&atlas.meshes[..]);
-                        match unwrap(scene, &objects, options, meshes, seen, cancel) {
+                        match unwrap(scene, &objects, options, meshes, seen, progress) {
                             Ok(mut apart) => {
                                 notes.push(format!(
                                     "charts of TEXCOORD_{set} stand side by side without a gutter: they are packed apart, each in its own shape"
@@ -105,10 +120,10 @@ pub fn layout_seen(
             return Err(why);
         }
     }
-    if cancel() {
+    if progress.cancelled() {
         return Err(Error::Cancelled);
     }
-    let mut atlas = unwrap(scene, &objects, options, None, seen, cancel)?;
+    let mut atlas = unwrap(scene, &objects, options, None, seen, progress)?;
     atlas.notes = notes;
     Ok(atlas)
 }

@@ -30,6 +30,7 @@
 //!   `crates/ambake/shell.rs` for the outsides of rooms.
 //! * Which part of a texel counts: `footprint.rs`. How triangles are cut to texels: `cutter.rs`; which texels need no
 //!   cut: `cover.rs`.
+//! * What a listener hears while charts are made: `told.rs`.
 //! * Layouts that follow an earlier one: `reuse.rs`, with room for what is new by `free.rs`.
 //! * What is said of a layout: `facts.rs` measures, `room.rs` finds a page that is large enough; words and warnings are
 //!   in `crates/report/src/layout.rs`.
@@ -70,6 +71,7 @@ mod search;
 mod share;
 mod sheet;
 mod tile_part;
+mod told;
 mod touching;
 mod twins;
 mod types;

@@ -3,6 +3,7 @@
 use crate::doubled::layers;
 use crate::flat::{Face, Faces};
 use crate::flatten::{self, Piece, Surface};
+use crate::told::OfMesh;
 use glam::{DVec2, DVec3, Vec3};
 use scene::Mesh;
 use std::collections::{BTreeMap, HashMap};
@@ -118,13 +119,13 @@ impl Part {
 pub(crate) fn parts(
     mesh: &Mesh,
     positions: &[[f32; 3]],
-    cancel: &(dyn Fn() -> bool + Sync),
+    told: &OfMesh<'_>,
 ) -> (Vec<Face>, Vec<Part>) {
     let place = firsts(positions.iter().map(|p| bits(*p)));
     let triangles: Vec<[u32; 3]> = by(mesh, &place);
     let layers = layers(&triangles);
     if let [_] = layers[..] {
-        return parts_of(mesh, positions, cancel);
+        return parts_of(mesh, positions, told);
     }
     let (mut faces, mut parts) = (Vec::new(), Vec::new());
     for layer in layers {
@@ -133,7 +134,7 @@ pub(crate) fn parts(
             triangles: own.collect(),
             ..mesh.clone()
         };
-        let (mut of_faces, mut of_parts) = parts_of(&alone, positions, cancel);
+        let (mut of_faces, mut of_parts) = parts_of(&alone, positions, told);
         let lists = of_faces.iter_mut().map(|face| &mut face.triangles);
         let lists = lists.chain(of_parts.iter_mut().map(|part| &mut part.triangles));
         lists.for_each(|list| list.iter_mut().for_each(|t| *t = layer[*t as usize]));
@@ -144,11 +145,7 @@ pub(crate) fn parts(
 }
 
 /// The same of a mesh of which no triangle lies on another.
-fn parts_of(
-    mesh: &Mesh,
-    positions: &[[f32; 3]],
-    cancel: &(dyn Fn() -> bool + Sync),
-) -> (Vec<Face>, Vec<Part>) {
+fn parts_of(mesh: &Mesh, positions: &[[f32; 3]], told: &OfMesh<'_>) -> (Vec<Face>, Vec<Part>) {
     let welded = weld(mesh, positions);
     let part = |triangles: Vec<u32>, faces: &[u32]| {
         let corners = triangles.iter().flat_map(|&t| mesh.triangles[t as usize]);
@@ -178,7 +175,7 @@ fn parts_of(
     }
     let mut parts = Vec::new();
     if left.iter().filter(|left| **left).count() >= CURVED {
-        let pieces = flatten::flatten(&surface, &faces.of, &left, cancel);
+        let pieces = flatten::flatten(&surface, &faces.of, &left, told);
         for &t in pieces.iter().flat_map(|piece| &piece.triangles) {
             left[t as usize] = false;
         }

@@ -163,7 +163,7 @@ pub fn reuse(
             squares: &squares,
             densities: &densities,
         };
-        insert(&mut atlas, scene, &new, options, seen, &|| false)?;
+        insert(&mut atlas, scene, &new, options, seen, &())?;
     }
     let findings = audit(scene, &atlas);
     if !findings.clean() {

@@ -5,6 +5,7 @@ use crate::pack::{Frame, Shape};
 use crate::pages::{Packed, Spread, spread};
 use crate::share::{FLOOR, densities};
 use crate::{Error, Options, Pages};
+use layers::Progress;
 
 /// Everything to place at some densities.
 pub(crate) struct Cut<T> {
@@ -48,9 +49,10 @@ const FILL: f64 = 0.93;
 pub(crate) fn search<T: Send>(
     objects: &[Object],
     options: &Options,
-    cancel: &(dyn Fn() -> bool + Sync),
+    progress: &dyn Progress,
     cut: impl Fn(&[f64], bool) -> Result<Cut<T>, Error> + Sync,
 ) -> Result<Found<T>, Error> {
+    progress.phase("packing charts");
     let size = options.page_size;
     let frame = Frame {
         width: size,
@@ -69,7 +71,7 @@ pub(crate) fn search<T: Send>(
     };
     let shared = |budget: f64| densities(objects, budget, size, options.even);
     let attempt = |densities: Vec<f64>, pages: u32| -> Result<Option<Found<T>>, Error> {
-        if cancel() {
+        if progress.cancelled() {
             return Err(Error::Cancelled);
         }
         let Cut {
@@ -102,7 +104,7 @@ pub(crate) fn search<T: Send>(
     let page = f64::from(size).powi(2);
     let texels_of = |densities: &[f64]| self::texels(objects, densities);
     let grown = |budget: f64| -> Result<f64, Error> {
-        if cancel() {
+        if progress.cancelled() {
             return Err(Error::Cancelled);
         }
         let draft = cut(&shared(budget), true)?;

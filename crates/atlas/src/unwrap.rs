@@ -5,9 +5,11 @@ use crate::Error;
 use crate::flat::Face;
 use crate::parts::Part;
 use crate::sheet::Sheet;
+use crate::told::OfMesh;
 use glam::DVec2;
 use scene::Mesh;
 use std::collections::{BTreeMap, HashMap};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use uvunwrap::{Density, MeshInput, Packing};
 
 /// Charts of curved surfaces stay below this many triangles on average: flattening takes more than linear time.
@@ -105,7 +107,7 @@ impl Sheet {
             area,
             unit,
         }: Handed,
-        cancel: &(dyn Fn() -> bool + Sync),
+        told: &OfMesh<'_>,
     ) -> Result<Vec<(Part, f64)>, Error> {
         let count = triangles as f64;
         let most = match count > SOLVABLE {
@@ -127,7 +129,16 @@ impl Sheet {
             ..uvunwrap::Options::default()
         };
         let inputs: Vec<MeshInput<'_>> = parts.iter().map(Part::input).collect();
-        let made = match uvunwrap::generate_with_progress(&inputs, &settings, |_| !cancel()) {
+        // The unwrapper counts the faces that it has laid flat; its calls do not overlap.
+        let flat = AtomicUsize::new(0);
+        let listen = |of: uvunwrap::Progress| {
+            if of.stage == uvunwrap::Stage::Parameterizing {
+                let before = flat.swap(of.done, Ordering::Relaxed);
+                told.done(of.done.saturating_sub(before));
+            }
+            !told.cancelled()
+        };
+        let made = match uvunwrap::generate_with_progress(&inputs, &settings, listen) {
             Err(uvunwrap::Error::Cancelled) => return Err(Error::Cancelled),
             Err(other) => return Err(Error::Unwrap(other.to_string())),
             Ok(made) => made,

@@ -7,6 +7,7 @@ pub(crate) mod overlap;
 mod pieces;
 mod rigid;
 
+use crate::told::OfMesh;
 use glam::{DVec2, DVec3};
 pub(crate) use pieces::{NONE, Surface};
 use rayon::prelude::*;
@@ -49,7 +50,7 @@ pub(crate) fn flatten(
     surface: &Surface,
     faces: &[u32],
     left: &[bool],
-    cancel: &(dyn Fn() -> bool + Sync),
+    told: &OfMesh<'_>,
 ) -> Vec<Piece> {
     let count = surface.triangles.len() as f64;
     let most = match count > SOLVABLE {
@@ -64,11 +65,14 @@ pub(crate) fn flatten(
             let mut done = Vec::new();
             let mut waiting = vec![piece];
             while let Some(piece) = waiting.pop() {
-                if piece.len() < LEAST || cancel() {
+                if piece.len() < LEAST || told.cancelled() {
                     continue;
                 }
                 match Piece::new(surface, faces, piece) {
-                    Ok(piece) => done.push(piece),
+                    Ok(piece) => {
+                        told.done(piece.triangles.len());
+                        done.push(piece);
+                    }
                     Err(halves) => waiting.extend(halves),
                 }
             }

@@ -1,4 +1,5 @@
 use super::*;
+use crate::told::Told;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// A grid of `n` by `m` squares over the unit square, each cut in two.
@@ -22,7 +23,8 @@ fn grid(n: u32, m: u32, at: impl Fn(f64, f64) -> DVec3) -> Surface {
 fn flat(surface: &Surface) -> Vec<Piece> {
     let count = surface.triangles.len();
     let each: Vec<u32> = (0..count as u32).collect();
-    flatten(surface, &each, &vec![true; count], &|| false)
+    let told = Told::new(&(), count);
+    flatten(surface, &each, &vec![true; count], &told.mesh(count))
 }
 
 /// Lengths of all edges in the plane over those in space, at one scale for the piece.

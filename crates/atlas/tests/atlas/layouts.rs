@@ -1,9 +1,11 @@
 //! Layouts: kept, repacked, unwrapped.
 
 use crate::scenes::{ball, cube, mesh, moved, scaled, scene};
-use ambake_atlas::{Atlas, Error, Options, PageRaster, UvMode, UvSource, Why, layout};
-use glam::{DAffine3, Vec2, Vec3};
+use ambake_atlas::{Atlas, Error, Options, PageRaster, UvMode, UvSource, Why, layout, layout_seen};
+use glam::{DAffine3, DVec3, Vec2, Vec3};
+use layers::Progress;
 use scene::{Mesh, Scene};
+use std::sync::Mutex;
 
 pub fn options(uv: UvMode, page_size: u32, density: Option<f64>) -> Options {
     Options {
@@ -396,6 +398,38 @@ fn bad_options_and_cancelling_are_errors() {
     let empty = crate::scenes::scene(vec![cube()], &[]);
     let error = layout(&empty, &options(UvMode::Auto, 64, None), &|| false).unwrap_err();
     assert_eq!(error, Error::Empty);
+}
+
+#[test]
+fn a_listener_hears_of_every_triangle_of_distinct_meshes() {
+    #[derive(Default)]
+    struct Heard(Mutex<Vec<(String, u64, u64)>>);
+    impl Progress for Heard {
+        fn phase(&self, name: &str) {
+            self.0.lock().unwrap().push((name.into(), 0, 0));
+        }
+        fn advance(&self, done: u64, total: u64) {
+            let mut heard = self.0.lock().unwrap();
+            let last = heard.last_mut().expect("a phase comes before its work");
+            assert!(done <= total, "{done} of {total}");
+            (last.1, last.2) = (last.1.max(done), total);
+        }
+    }
+    let (ball, cube) = (ball(32), cube());
+    let triangles = (ball.triangles.len() + cube.triangles.len()) as u64;
+    let scene = scene(
+        vec![ball, cube],
+        &[
+            (0, 0, DAffine3::IDENTITY),
+            (1, 1, DAffine3::IDENTITY),
+            (1, 1, DAffine3::from_translation(DVec3::X)),
+        ],
+    );
+    let heard = Heard::default();
+    layout_seen(&scene, &options(UvMode::Unwrap, 256, None), None, &heard).unwrap();
+    let heard = heard.0.into_inner().unwrap();
+    let expected = [("making charts", triangles), ("packing charts", 0)];
+    assert_eq!(heard, expected.map(|(name, all)| (name.into(), all, all)));
 }
 
 #[test]
