@@ -46,10 +46,7 @@ impl Boxes {
                 continue;
             }
             let middle = |item: &Item| item.low + item.high;
-            let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-            let (low, high) = part.iter().fold(limits, |(low, high), item| {
-                (low.min(middle(item)), high.max(middle(item)))
-            });
+            let (low, high) = around(part.iter().map(middle));
             let axis = (high - low).max_position();
             let half = part.len() / 2;
             part.select_nth_unstable_by(half, |a, b| middle(a)[axis].total_cmp(&middle(b)[axis]));
@@ -105,6 +102,13 @@ impl Boxes {
     }
 }
 
+/// The box around points: its lowest and its highest corner, infinite and the wrong way round where there are none.
+pub fn around(points: impl IntoIterator<Item = DVec3>) -> (DVec3, DVec3) {
+    let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let wider = |(low, high): (DVec3, DVec3), p| (low.min(p), high.max(p));
+    points.into_iter().fold(limits, wider)
+}
+
 fn meets(a: (DVec3, DVec3), b: (DVec3, DVec3)) -> bool {
     a.0.cmple(b.1).all() && a.1.cmpge(b.0).all()
 }
@@ -112,10 +116,7 @@ fn meets(a: (DVec3, DVec3), b: (DVec3, DVec3)) -> bool {
 impl Node {
     /// A leaf of items of which the first is number `first` of all.
     fn around(items: &[Item], first: usize) -> Self {
-        let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        let (low, high) = items.iter().fold(limits, |(low, high), item| {
-            (low.min(item.low), high.max(item.high))
-        });
+        let (low, high) = around(items.iter().flat_map(|item| [item.low, item.high]));
         Self {
             low,
             high,

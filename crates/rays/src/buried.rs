@@ -1,5 +1,6 @@
 //! Whether points of a triangle are buried in bodies.
 
+use crate::boxes::around;
 use crate::solid::{NUDGE, Near};
 use crate::world::World;
 use glam::DVec3;
@@ -58,9 +59,7 @@ impl World {
         let solids = self.solids();
         let own = solids.own(instance, triangle);
         let corners = self.corners(instance, triangle);
-        let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        let around = |(low, high): (DVec3, DVec3), &p: &DVec3| (low.min(p), high.max(p));
-        let (low, high) = corners.iter().fold(limits, around);
+        let (low, high) = around(corners);
         if solids.swallow(low, high, own) {
             return Burial {
                 world: self,

@@ -77,7 +77,7 @@ pub use alpha_test::AlphaTest;
 pub use backend::{
     Coherence, Lanes, PacketWidth, Ray, RayBackend, RayPacket, Stops, SurfaceHit, TreeKind,
 };
-pub use boxes::Boxes;
+pub use boxes::{Boxes, around};
 pub use build::{BackendKind, build, has_embree};
 pub use buried::Burial;
 pub use embree_backend::EmbreeBackend;

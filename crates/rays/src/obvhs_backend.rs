@@ -6,6 +6,7 @@
 
 use crate::alpha_test::AlphaTest;
 use crate::backend::{Coherence, Ray, RayBackend, RayPacket, Stops, SurfaceHit, TreeKind};
+use crate::boxes::around;
 use crate::coincident::Coincident;
 use crate::tree::Tree;
 use crate::triangle::ShearedRay;
@@ -91,13 +92,7 @@ impl ObvhsBackend {
                 inverse: *part.inverse(),
             });
             let outline = part.outline(geometry.extent);
-            boxes.push([
-                outline.iter().copied().fold(DVec3::INFINITY, DVec3::min),
-                outline
-                    .iter()
-                    .copied()
-                    .fold(DVec3::NEG_INFINITY, DVec3::max),
-            ]);
+            boxes.push(around(outline).into());
         }
         let (top, order) = Tree::build(boxes.len(), |index| boxes[index], wide);
         Self {

@@ -11,6 +11,7 @@ use super::mean;
 use super::patches::Patch;
 use super::radiosity::PageLight;
 use glam::DVec3;
+use rays::around;
 use std::f64::consts::TAU;
 
 /// Spheres of a gather, at most.
@@ -222,7 +223,7 @@ fn clustered(bright: &mut [Bright]) -> Vec<Spot> {
 
 /// Parts texels at the mean of their light along the longest axis of their box, and says how many lie before it.
 fn part(bright: &mut [Bright]) -> usize {
-    let (low, high) = bounds(bright);
+    let (low, high) = around(bright.iter().map(|one| one.position));
     let axis = (high - low).max_position();
     let (mut sum, mut power) = (0.0, 0.0);
     for one in bright.iter() {
@@ -233,16 +234,9 @@ fn part(bright: &mut [Bright]) -> usize {
     bright.partition_point(|one| one.position[axis] < sum / power)
 }
 
-/// The box about the middles of texels.
-fn bounds(bright: &[Bright]) -> (DVec3, DVec3) {
-    let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    let positions = bright.iter().map(|one| one.position);
-    positions.fold(limits, |(low, high), p| (low.min(p), high.max(p)))
-}
-
 /// The sphere about texels.
 fn sphere(bright: &[Bright]) -> Spot {
-    let (low, high) = bounds(bright);
+    let (low, high) = around(bright.iter().map(|one| one.position));
     let centre = 0.5 * (low + high);
     let reach = |one: &Bright| one.position.distance(centre) + one.radius;
     let power: f64 = bright.iter().map(|one| one.power).sum();

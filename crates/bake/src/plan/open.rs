@@ -8,7 +8,7 @@
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
-use rays::{Patch, PlaneErrors, World};
+use rays::{Patch, PlaneErrors, World, around};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Vertices in one leaf box, and children of one inner box.
@@ -94,19 +94,16 @@ struct SupportTree {
 
 impl SupportTree {
     fn build(mut points: Vec<DVec3>) -> Self {
-        let (low, high) = bounds(&points);
+        let (low, high) = around(points.iter().copied());
         let scale = (high - low).max_element().max(f64::MIN_POSITIVE);
         points.sort_by_cached_key(|p| morton(((*p - low) / scale).as_vec3()));
-        let mut levels = vec![points.chunks(LEAF).map(bounds).collect::<Vec<_>>()];
+        let leaves = points.chunks(LEAF).map(|part| around(part.iter().copied()));
+        let mut levels = vec![leaves.collect::<Vec<_>>()];
         while levels.last().is_some_and(|level| level.len() > 1) {
             let below = &levels[levels.len() - 1];
             let level = below
                 .chunks(FAN)
-                .map(|boxes| {
-                    boxes.iter().fold((DVec3::MAX, DVec3::MIN), |(l, h), b| {
-                        (l.min(b.0), h.max(b.1))
-                    })
-                })
+                .map(|boxes| around(boxes.iter().flat_map(|&(low, high)| [low, high])))
                 .collect();
             levels.push(level);
         }
@@ -159,12 +156,6 @@ impl SupportTree {
             }
         }
     }
-}
-
-fn bounds(points: &[DVec3]) -> (DVec3, DVec3) {
-    points
-        .iter()
-        .fold((DVec3::MAX, DVec3::MIN), |(l, h), p| (l.min(*p), h.max(*p)))
 }
 
 /// 30-bit Morton code of a point in the unit cube.

@@ -31,7 +31,7 @@ use glam::DVec3;
 use ground::Ground;
 use layers::Layer;
 use rayon::prelude::*;
-use rays::{Patch, Solids};
+use rays::{Patch, Solids, around};
 use std::collections::HashMap;
 use tree::{BoxTree, Item};
 
@@ -164,10 +164,7 @@ impl<'a> Reach<'a> {
             }
             grounds.push(ground);
         }
-        let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        let (low, high) = grounds.iter().fold(limits, |(low, high), ground| {
-            (low.min(ground.low), high.max(ground.high))
-        });
+        let (low, high) = around(grounds.iter().flat_map(|ground| [ground.low, ground.high]));
         if let Some(solids) = self.baker.solids {
             let about = Ground::meeting(low, high);
             hasher.update(&self.burying.sum(&[about]).to_le_bytes());
@@ -201,14 +198,10 @@ impl<'a> Reach<'a> {
             .fold(0.0, f64::max);
         let corners = patch.corners;
         let at = |w: &DVec3| corners[0] * w.x + corners[1] * w.y + corners[2] * w.z;
-        let around = |points: &mut dyn Iterator<Item = DVec3>| {
-            let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-            points.fold(limits, |(low, high), p| (low.min(p), high.max(p)))
-        };
-        let whole = around(&mut corners.iter().copied());
+        let whole = around(corners);
         let (low, high) = match moved > MOVED {
             true => whole,
-            false => around(&mut part.hull.iter().map(at)),
+            false => around(part.hull.iter().map(at)),
         };
         let slack = self.slack + patch.rounding() + 4.0 * moved * (whole.1 - whole.0).length();
         let up = patch.geometric;

@@ -8,7 +8,7 @@ use super::border::Border;
 use super::pair::{Pair, Walls};
 use glam::DVec3;
 use rayon::prelude::*;
-use rays::{Boxes, NUDGE, World};
+use rays::{Boxes, NUDGE, World, around};
 
 /// How far to either side one looks for what stands there, in texels.
 const REACH: f64 = 0.5;
@@ -122,9 +122,7 @@ impl Strip {
         let across = self.across.map(|across| self.inward * across);
         let corners =
             [DVec3::ZERO, self.along].map(|end| across.map(|across| self.from + end + across));
-        let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        let corners = corners.into_iter().flatten();
-        corners.fold(limits, |(low, high), p| (low.min(p), high.max(p)))
+        around(corners.into_iter().flatten())
     }
 
     /// The shares of the seam beside which a triangle stands on the strip.

@@ -8,7 +8,7 @@
 
 use atlas::Piece;
 use glam::DVec3;
-use rays::{Cover, Covers, NUDGE, Patch, Rim};
+use rays::{Cover, Covers, NUDGE, Patch, Rim, around};
 
 /// The cosine of the angle between a surface and the wall that ends it, at most.
 const UPRIGHT: f64 = 0.5;
@@ -147,12 +147,15 @@ pub(super) fn without(
 /// where a layer is a little higher. What closed layers would lift is left out.
 fn lifted(covers: &Covers, patch: &Patch, mut parts: Vec<Part>, under: f64) -> Vec<Part> {
     let at = |w: DVec3| patch.corners[0] * w.x + patch.corners[1] * w.y + patch.corners[2] * w.z;
-    let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     let corners = parts.iter().flat_map(|part| &part.corners).map(|&w| at(w));
-    let around = corners.fold(limits, |(low, high), p| (low.min(p), high.max(p)));
-    let reach = around.0.abs().max(around.1.abs()).max_element();
+    let (low, high) = around(corners);
+    let reach = low.abs().max(high.abs()).max_element();
     let over: Vec<_> = covers
-        .over(around, (patch.corners[0], patch.geometric), 2.0 * under)
+        .over(
+            (low, high),
+            (patch.corners[0], patch.geometric),
+            2.0 * under,
+        )
         .collect();
     let is_crowded = over.len() > CROWDED;
     if is_crowded {

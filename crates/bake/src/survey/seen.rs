@@ -40,9 +40,7 @@ impl Spot {
         mut cells: impl Iterator<Item = &'a Cell>,
         corners: impl Iterator<Item = [DVec3; 4]>,
     ) -> Self {
-        let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        let corners = corners.flatten();
-        let (low, high) = corners.fold(limits, |(low, high), p| (low.min(p), high.max(p)));
+        let (low, high) = rays::around(corners.flatten());
         let own = cells.next().map(|cell| cell.body);
         let own = own.filter(|&own| cells.all(|cell| cell.body == own));
         Self { low, high, own }
