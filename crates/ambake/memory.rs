@@ -1,7 +1,7 @@
 //! How much memory a bake will take, and how much there is.
 
 use crate::error::{Error, LimitedBy};
-use ::bake::{Denoise, Effort, Plan, Seams, bytes_of_surveys};
+use ::bake::{Denoise, Effort, Plan, Seams, bytes_of_surveys, sampled};
 use layers::Layer;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -143,14 +143,9 @@ impl Memory {
         let finishes = groups.max(finishes) + waiting.min(WAITING);
         let planes = 4 * (self.working - self.dropped + self.composed);
         let composes = texels * (planes + WRITING) + waiting.min(WAITING);
-        // The pilot of a target has its denoiser; the page beside it is still empty, and so not in memory.
-        let seeks = match self.seeks {
-            true => texels * 4 * self.working + denoise,
-            false => 0,
-        };
-        let one = bakes.max(finishes).max(composes).max(seeks);
+        let one = bakes.max(finishes).max(composes);
         if self.light == 0 {
-            let surveys = if self.seeks { covered } else { 0 };
+            let surveys = if self.seeks { sampled(covered) } else { 0 };
             return one + bytes_of_surveys(surveys);
         }
         // Light goes from page to page, so all of them wait for it.

@@ -22,6 +22,7 @@ pub use baker::{Baker, Take};
 pub(crate) use finish::finish_light;
 pub use pilot::Pilot;
 pub use planes::{BakedPage, LayerPlanes};
+pub use sample::sampled;
 pub use share::Deal;
 pub use stats::{ErrorSums, PageStats};
 pub use surveys::bytes_of_surveys;

@@ -47,6 +47,12 @@ impl Found {
     }
 }
 
+/// The texels of a sample of a page of so many, at most: blocks may be fuller than others.
+pub fn sampled(texels: u64) -> u64 {
+    let block = u64::from(BLOCK * TILE).pow(2);
+    texels.min((2 * FEWEST as u64 * block).max(2 * texels / ONE_IN as u64))
+}
+
 /// Tiles that lie in blocks, of a page and of one that holds nothing but these blocks.
 pub(super) struct Sample {
     tiles: Vec<Sampled>,
