@@ -1,4 +1,5 @@
-//! `ambake.toml` beside what a verb reads, a scene, the folder of a bake or a picture: flags that need not be typed again.
+//! `ambake.toml` beside what a verb reads, a scene, the folder of a bake or a picture: flags that need not be typed
+//! again.
 //!
 //! ```toml
 //! [bake]                    # every scene of the folder
@@ -64,8 +65,8 @@ const ONCE: [&str; 8] = [
     "output", "fresh", "resume", "shard", "update", "verify", "after", "json",
 ];
 
-/// What was typed, with the options of the verb's own table in the project file beside what it reads; without such a verb
-/// or file, what was typed.
+/// What was typed, with the options of the verb's own table in the project file beside what it reads; without such a
+/// verb or file, what was typed.
 ///
 /// # Errors
 /// One line that names the file, the table and the option.

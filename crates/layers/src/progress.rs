@@ -16,7 +16,8 @@
 /// assert!(!Percent.cancelled());
 /// ```
 pub trait Progress: Sync {
-    /// `done` of `total` units of work are finished: texels of a bake, pixels of a picture, triangles that lie in charts.
+    /// `done` of `total` units of work are finished: texels of a bake, pixels of a picture, triangles that lie in
+    /// charts.
     fn advance(&self, done: u64, total: u64);
 
     /// What is done from now on, such as `making charts` or `gather 2`. What [`Self::advance`] tells then is of that
