@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What a bake with a target costs beside one with the fixed number of rays that has the same error, diffuse term alone.
 
-    AMBAKE=target/release/ambake python3 crates/bench/targets.py SCENE... [--size 256] [--targets 0.02,0.01,0.004]
+    AMBAKE=target/release/ambake python3 crates/bench/targets.py SCENE... [--size 1024] [--targets 0.02,0.01,0.004]
 
 prints a table in Markdown. *RMSE over target* is the stated error of the page over what was asked for. *Over fixed* is
 the processor time of the bake's phase over that of a fixed number of rays with the same stated error, by a line
@@ -53,7 +53,7 @@ def between(error, fixed):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("scenes", nargs="+")
-    parser.add_argument("--size", default="256")
+    parser.add_argument("--size", default="1024")
     parser.add_argument("--targets", default="0.02,0.01,0.004")
     args = parser.parse_args()
     print("| scene | target | RMSE over target | rays a texel | CPU s | over fixed |\n|---|---|---|---|---|---|")
