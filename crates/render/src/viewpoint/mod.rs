@@ -49,24 +49,20 @@ impl Framing {
         outside: &Camera,
         keep_fov: bool,
     ) -> Result<Option<(Camera, Within)>, Error> {
+        let Some(view) = room.within() else {
+            return Ok(None);
+        };
         let fov = match keep_fov {
             true => self.fov,
             false => self.fov.max(WIDE),
         };
-        let told = |camera: &Camera| room.told(room.through(camera));
-        let other = told(outside);
-        for view in room.within() {
-            let inside = Framing { fov, ..*self }.camera_at(view.through)?;
-            if view.counts * told(&inside) > other {
-                return Ok(Some((inside, view)));
-            }
-        }
-        Ok(None)
+        let inside = Framing { fov, ..*self }.camera_at(view.through)?;
+        let [own, other] = [&inside, outside].map(|camera| room.told(room.through(camera)));
+        Ok((view.counts * own > other).then_some((inside, view)))
     }
 
     /// The cameras to fall back on where what [`Framing::fitted`] shows from within is dark: within, where most of what
-    /// is seen sees the sky, if that tells more than the view from outside by how much of what is around it is closed,
-    /// and outside.
+    /// is seen sees the sky, and outside.
     pub fn brighter(
         &self,
         world: &World,
@@ -78,15 +74,8 @@ impl Framing {
             fov: self.fov.max(WIDE),
             ..*self
         };
-        let outside = self.around(&room).ok();
-        let told = |camera: &Camera| room.told(room.through(camera));
-        let within = room.within_light().and_then(|view| {
-            let camera = wide.camera_at(view).ok()?;
-            // A place that is open all around is one outside, such as that under a handle: it counts by its sides.
-            let own = room.sides(view[0]) * told(&camera);
-            (own > outside.as_ref().map_or(0.0, told)).then_some(camera)
-        });
-        within.into_iter().chain(outside)
+        let within = (room.within_light()).and_then(|view| wide.camera_at(view).ok());
+        within.into_iter().chain(self.around(&room).ok())
     }
 
     fn around(&self, room: &Room) -> Result<Camera, Error> {

@@ -22,8 +22,6 @@ const SOLID: u32 = 12;
 const BETTER: f64 = 1.25;
 /// What a view within a scene of rooms tells counts so many times against one from outside.
 const ROOMS: f64 = 1.4;
-/// And where most of the space is open, and what is closed is not furnished, so many times.
-const HOLLOWS: f64 = 0.9;
 /// By how much the steeper views rise above the others, in radians: 25 degrees.
 const STEEPER: f64 = 25.0 * PI / 180.0;
 /// Rays across a picture by which one from inside and one from outside are compared.
@@ -220,41 +218,32 @@ impl<'a> Room<'a> {
         (0..5 * 5 * 5).filter_map(place).collect()
     }
 
-    /// Views from within, the one that shows most first; none where no place is half open.
-    pub fn within(&self) -> Vec<Within> {
+    /// The view from within that shows most; `None` where no place is half open.
+    pub fn within(&self) -> Option<Within> {
         let places = self.places();
         let is_closed = is_closed(&places);
+        let least = if is_closed { CLOSED } else { HALF_OPEN };
+        // Below land that looks down there is no floor.
+        let has_floor = |eye: DVec3| self.shut(eye, -self.up) >= FLOOR;
+        let eyes = places.iter().filter(|place| place.1 >= least);
+        let eyes = eyes.map(|place| place.0).filter(|eye| has_floor(*eye));
+        let through = self.best(eyes, |_, _| true)?;
         let closed = places.iter().filter(|place| place.1 >= CLOSED);
         let closed: Vec<DVec3> = closed.map(|place| place.0).collect();
-        // Below land that looks down there is no floor.
-        let has_floor = |eye: &DVec3| self.shut(*eye, -self.up) >= FLOOR;
-        let view = |least: u32| {
-            let eyes = places.iter().filter(|place| place.1 >= least);
-            self.best(eyes.map(|place| place.0).filter(has_floor), |_, _| true)
-        };
-        let is_furnished = closed.len() >= 2 && self.is_furnished(&closed);
-        let mut views = Vec::new();
-        let mut add = |through: Option<[DVec3; 2]>, counts: &dyn Fn([DVec3; 2]) -> f64| {
-            views.extend(through.map(|through| Within {
-                through,
-                counts: counts(through),
-                is_closed,
-                places: closed.clone(),
-            }));
-        };
         // A place counts by how much of it is roofed: a doll's house without a roof is looked at from above, a cave or
-        // a hall below a skylight is not.
-        if !is_closed {
-            add(view(HALF_OPEN), &|through| {
-                HOLLOWS * self.shut(through[0], self.up)
-            });
-        }
-        // Nobody is to look at the outside of rooms that are furnished, be they a part of the scene, unless that tells
-        // far more: then what is closed are cupboards.
-        if is_closed || is_furnished {
-            add(view(CLOSED), &|_| if is_furnished { ROOMS } else { 1.0 });
-        }
-        views
+        // a hall below a skylight is not. Nobody is to look at the outside of rooms, unless that tells far more: then
+        // what is closed are cupboards.
+        let counts = match is_closed {
+            true if self.is_furnished(&closed) => ROOMS,
+            true => 1.0,
+            false => self.shut(through[0], self.up),
+        };
+        Some(Within {
+            through,
+            counts,
+            is_closed,
+            places: closed,
+        })
     }
 
     /// True where at least as many points are seen from closed places as from outside alone. Rooms show what they have
@@ -279,17 +268,6 @@ impl<'a> Room<'a> {
         let toward_side = || (0..AROUND).map(spiral).filter(|way| way.dot(side) > 0.0);
         let is_met = |toward: &DVec3| self.first(eye, *toward).is_some_and(|hit| hit.front);
         toward_side().filter(is_met).count() as f64 / toward_side().count().max(1) as f64
-    }
-
-    /// The share of the directions around a place, within 30 degrees of the horizon, that meet fronts.
-    pub fn sides(&self, eye: DVec3) -> f64 {
-        let around = || {
-            (0..AROUND)
-                .map(spiral)
-                .filter(|way| way.dot(self.up).abs() < 0.5)
-        };
-        let is_met = |toward: &DVec3| self.first(eye, *toward).is_some_and(|hit| hit.front);
-        around().filter(is_met).count() as f64 / around().count().max(1) as f64
     }
 
     /// True where some of a few rays over the front of a hit, which lies at a place, meet nothing.

@@ -206,27 +206,6 @@ fn a_brighter_view_stands_where_the_sky_is_seen() {
 }
 
 #[test]
-fn no_brighter_view_stands_under_a_handle() {
-    // A shut box, and on it a handle of two legs and a beam.
-    let parts = [
-        ([0.0, 0.0, 0.0], [8.0, 4.0, 6.0]),
-        ([2.0, 4.0, 2.0], [0.5, 1.2, 2.0]),
-        ([5.5, 4.0, 2.0], [0.5, 1.2, 2.0]),
-        ([2.0, 5.2, 2.0], [4.0, 0.3, 2.0]),
-    ];
-    let parts = parts.map(|part| [part.0, part.1].map(Vec3::from));
-    let sheets: Vec<_> = (parts.iter())
-        .flat_map(|part| block(part[0], part[1], 1))
-        .collect();
-    let (world, backend) = world(&sheets);
-    let cameras: Vec<_> = FRAMING.brighter(&world, backend.as_ref(), &[]).collect();
-    let bounds = world.bounds();
-    let is_within = |camera: &&Camera| camera.eye.clamp(bounds.min, bounds.max) == camera.eye;
-    assert_eq!(cameras.iter().find(is_within), None, "{cameras:?}");
-    assert_eq!(cameras.len(), 1);
-}
-
-#[test]
 fn a_hall_below_a_skylight_is_looked_at_from_inside() {
     // Three eighths of its ceiling are open.
     let [x, y, z] = [Vec3::X * 2.5, Vec3::Y * 3.0, Vec3::Z * 6.0];
