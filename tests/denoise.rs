@@ -97,7 +97,7 @@ fn most_rays_beside_a_fixed_number_are_refused() {
 #[test]
 fn a_target_is_met_by_what_is_denoised_and_takes_fewer_rays_for_it() {
     let few = ["--size", "128", "--only", "diffuse,error,rays"];
-    let asked = ["--target-error", "0.01", "--seams", "off"];
+    let asked = ["--target-error", "0.006", "--seams", "off"];
     let arguments = [&few[..], &asked].concat();
     let (_folder, smooth) = by_default("resting_sphere.obj", &arguments);
     let (_folder, plain) = bake(&scene("resting_sphere.obj"), &arguments);
@@ -117,7 +117,7 @@ fn a_target_is_met_by_what_is_denoised_and_takes_fewer_rays_for_it() {
         (own - exact).powi(2)
     };
     let stated = |page: &Page, i: usize| f64::from(page.plane("error")[i]).powi(2);
-    // With six rays a texel what is stated of one bake is off by a third: four together tell.
+    // With some twenty rays a texel what is stated of one bake is off: four together tell.
     let others = ["1", "2", "3"].map(|seed| {
         let words = [&arguments[..], &["--seed", seed]].concat();
         by_default("resting_sphere.obj", &words).1
@@ -129,8 +129,8 @@ fn a_target_is_met_by_what_is_denoised_and_takes_fewer_rays_for_it() {
     let ratio = (sum(&square) / sum(&stated)).sqrt();
     assert!((0.8..1.2).contains(&ratio), "true over stated {ratio}");
     let [of_smooth, of_plain] = [&smooth, &plain].map(|page| mean(page, &stated).sqrt());
-    assert!((0.005..=0.0105).contains(&of_smooth), "{of_smooth} stated");
-    assert!((0.005..=0.0105).contains(&of_plain), "{of_plain} stated");
+    assert!((0.003..=0.0063).contains(&of_smooth), "{of_smooth} stated");
+    assert!((0.003..=0.0063).contains(&of_plain), "{of_plain} stated");
 }
 
 #[test]

@@ -17,10 +17,6 @@ const BLOCK: u32 = 3;
 const ONE_IN: usize = 20;
 const FEWEST: usize = 10;
 
-/// The squares of errors of a page over those of a sample, whose blocks are cut off from what they would be denoised
-/// with.
-const CUT_OFF: f64 = 0.8;
-
 /// Blocks nearer than so many tiles say equally much of a tile.
 const NEAR: f64 = 4.0;
 
@@ -168,7 +164,7 @@ impl Sample {
             block.add(found, 1.0);
         }
         let texels = own.iter().map(|own| own.texels).sum::<f64>() / self.tiles.len() as f64;
-        let scale = CUT_OFF * (1.0 + self.doubt(&blocks, own.len()));
+        let scale = 1.0 + self.doubt(&blocks, own.len());
         let of = |(&number, own): (&u32, &Found)| {
             let at = place(number, size).map(f64::from);
             let mut about = Found::default();
@@ -297,7 +293,7 @@ mod tests {
             // The same everywhere leaves no doubt.
             for found in told(&|_| 2.0) {
                 assert_eq!(found.texels, 256.0);
-                assert!((found.squares - CUT_OFF * 2.0 * 256.0).abs() < 1e-9);
+                assert!((found.squares - 2.0 * 256.0).abs() < 1e-9);
             }
             let found = told(&|number| number);
             let own = sample
@@ -308,7 +304,7 @@ mod tests {
             let over: Vec<f64> = over.collect();
             // By one factor, but for what few texels could say.
             let middle = over[over.len() / 2];
-            assert!(middle > CUT_OFF, "{middle}");
+            assert!(middle > 1.0, "{middle}");
             let near = over[1..]
                 .iter()
                 .filter(|over| (*over / middle - 1.0).abs() < 0.15);

@@ -31,6 +31,10 @@ const WORTH: f64 = 8.0;
 const DENOISED: f64 = 0.55;
 const PLAIN: f64 = 0.7;
 
+/// The squares of denoised errors of a page over those of a sample, whose blocks are cut off from what they would be
+/// denoised with.
+const CUT_OFF: f64 = 0.8;
+
 /// Steps of the scale of all numbers that are tried, for each doubling.
 const STEPS: i32 = 8;
 
@@ -154,7 +158,11 @@ impl Target {
         settle(&mut page, &pilot.site(), &values);
         let errors = Errors::of(&page, baker, self);
         let squares: Vec<Option<f64>> = (0..page.texels()).map(|k| errors.square(k)).collect();
-        sample.spread(&squares, &baker.raster(number), size)
+        let mut found = sample.spread(&squares, &baker.raster(number), size);
+        if options.denoise == Denoise::Regression {
+            found.iter_mut().for_each(|found| found.squares *= CUT_OFF);
+        }
+        found
     }
 }
 
