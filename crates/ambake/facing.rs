@@ -100,9 +100,9 @@ pub(crate) fn dark_sides(job: &Job) -> Vec<WarningReport> {
     let share = |dark: u32| f64::from(dark) / f64::from(POINTS);
     let whole = share(found.iter().map(|of| of.1).sum());
     let message = format!(
-        "{:.0} % of the texels show the dark side of faces that are drawn from both sides: the side of their winding is \
-         baked, which sees little of the sky, while their other side is in the open; turn these faces over in the scene \
-         (flip their normals), unless one looks at them from within",
+        "{:.0} % of the texels show the dark side of faces that are drawn from both sides: the side of their winding \
+         is baked, which sees little of the sky, while their other side is in the open; turn these faces over in the \
+         scene (flip their normals), unless one looks at them from within",
         (100.0 * whole).max(1.0)
     );
     let report = |&(name, dark): &(&str, u32)| WarningReport {

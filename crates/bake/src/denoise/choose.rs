@@ -200,8 +200,8 @@ impl<'a> Choice<'a> {
     /// Tries a fit that follows the one `before`.
     fn try_fit(&mut self, stride: usize, before: &Sheet, now: &Sheet) {
         let [width, height] = self.surface.size();
-        let (data, channels, unit) = (&self.surface.data, self.channels, self.unit);
-        let share = self.share;
+        let (data, channels) = (&self.surface.data, self.channels);
+        let (unit, share) = (self.unit, self.share);
         let half = channels;
         let all_fitted = self.pair.fill(|y, [squares, moves]| {
             let mut means = <[Mean; 2]>::default();
@@ -419,10 +419,8 @@ fn moved([m, before_m]: [f32; 2], [h, before_h]: [f32; 2]) -> f32 {
     dm * dm - dh * dh
 }
 
-/// The variance of single rays of this mean, each of which brings all of the largest value or nothing: at the dark end it
-/// is as the mean, and at the other as what is missing, of which there is always a thousandth.
-///
-/// * `share`: what a unit of the mean is of the largest value; 0 where there is none.
+/// The variance of single rays of this mean, each of which brings all of the largest value or nothing. `share`: what a
+/// unit is of that; 0 where there is none. Something always misses, a thousandth at least.
 #[inline(always)]
 fn spreads(mean: f32, share: f32) -> f32 {
     larger(mean, f32::MIN_POSITIVE) * (1.0 - smaller(mean * share, 0.999))

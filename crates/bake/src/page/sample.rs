@@ -1,8 +1,8 @@
 //! The tiles of a page that a pilot looks at, and what these say of the others.
 //!
 //! A part of a page says nearly as well as the whole how many rays a target takes. What counts is that each part is
-//! large enough to be denoised as the page will be, and that the parts are spread over the page, since what lies side by
-//! side is often one surface.
+//! large enough to be denoised as the page will be, and that the parts are spread over the page, since what lies side
+//! by side is often one surface.
 
 use super::planes::{BakedPage, LayerPlanes};
 use super::stats::PageStats;
@@ -134,8 +134,8 @@ impl Sample {
         page
     }
 
-    /// What is known of each tile of a page by what was found of the texels of the sample's page: by its own texels, and
-    /// by the blocks about it.
+    /// What is known of each tile of a page by what was found of the texels of the sample's page: by its own texels,
+    /// and by the blocks about it.
     pub fn spread(
         &self,
         squares: &[Option<f64>],

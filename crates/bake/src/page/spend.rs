@@ -1,13 +1,13 @@
 //! How many rays the tiles of a page take.
 //!
-//! With a target, the texels of a sample of tiles take a few rays first ([`super::sample`]). What they say of the error of
-//! each tile, after denoising, decides how many it takes: with errors that fall like N^-q the error of a page, its root
-//! mean square, would be least at a given number of rays where N is proportional to s^(2/(1 + 2q)), s being the error of
-//! a tile at equal rays. Half of that power is taken: few rays tell s roughly, and denoising carries a tile's error to
-//! those beside it. Numbers are powers of two, which are the best numbers of points, or three quarters of them, which
-//! are nearly as good. Where these are many, a part of them is tried first, from which it is a shorter way to all. The
-//! rays of pilots are thrown away: a value that had a part in the choice of its rays would be biased. The texels that
-//! they found are kept.
+//! With a target, the texels of a sample of tiles take a few rays first ([`super::sample`]). What they say of the
+//! error of each tile, after denoising, decides how many it takes: with errors that fall like N^-q the error of a
+//! page, its root mean square, would be least at a given number of rays where N is proportional to s^(2/(1 + 2q)), s
+//! being the error of a tile at equal rays. Half of that power is taken: few rays tell s roughly, and denoising
+//! carries a tile's error to those beside it. Numbers are powers of two, which are the best numbers of points, or
+//! three quarters of them, which are nearly as good. Where these are many, a part of them is tried first, from which
+//! it is a shorter way to all. The rays of pilots are thrown away: a value that had a part in the choice of its rays
+//! would be biased. The texels that they found are kept.
 
 use super::baker::Baker;
 use super::directional::holds as is_directional;

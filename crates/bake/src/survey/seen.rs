@@ -133,8 +133,7 @@ impl Spot {
 
 /// How much some bodies can take at most from what others count: cavities alone do, one each.
 fn cavities(solids: &Solids, bodies: &[u32]) -> i32 {
-    let found = bodies.iter().filter(|&&body| solids.is_cavity(body));
-    found.count() as i32
+    (bodies.iter().filter(|&&body| solids.is_cavity(body))).count() as i32
 }
 
 /// True where nothing can bury any of a tile, so that all can be seen.

@@ -8,8 +8,10 @@
 use super::Solids;
 use super::placed::{Placed, PlacedTree};
 use super::spread::{middles, parts};
-use super::wound::STOP;
 use glam::DVec3;
+
+/// What stops a hole stands this near to its panes, in widths of the hole, or through them.
+pub(super) const STOP: f64 = 0.125;
 
 /// The share of a portal's mouth that may be met, and the share of the way around it that has a wall on opposite sides,
 /// at least: beside the door of a low room, the wall is on the left and on the right alone.

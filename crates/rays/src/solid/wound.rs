@@ -12,7 +12,7 @@
 //! post.
 
 use super::placed::{Placed, PlacedTree};
-use super::portal::Mouth;
+use super::portal::{Mouth, STOP};
 use super::spread::{MIDDLE, corners_too, parts};
 use super::topology::{Face, Surface, corners};
 use super::tree::SurfaceTree;
@@ -39,8 +39,6 @@ const BACKS: f64 = 0.125;
 const MOST: f64 = 0.5;
 /// The share of a surface with holes that may have the same on either side.
 const ODD: f64 = 0.1;
-/// What stops a hole stands this near to its panes, in widths of the hole, or through them.
-pub(super) const STOP: f64 = 0.125;
 /// What stands in a room has this share of the room's side, together: else it is stuck in a wall.
 const STANDS: f64 = 1.0 / 1024.0;
 /// Faces that are asked first.

@@ -286,8 +286,8 @@ impl Solids {
         })
     }
 
-    /// The triangles of a placed surface that may meet a box and a slab, corners in the order in which they are seen from their
-    /// front.
+    /// The triangles of a placed surface that may meet a box and a slab, corners in the order in which they are seen
+    /// from their front.
     fn faces_about(
         &self,
         (shape, surface): (u32, u32),
