@@ -120,16 +120,21 @@ impl Solids {
     }
 
     pub(super) fn holds(&self, body: &Body, point: DVec3) -> bool {
+        let height = |local, front| self.tree(body).height(&self.scene, local, front);
         let winding = |local| self.winding(body, local);
-        self.holds_by(body, point, winding)
+        self.holds_by(body, point, (height, winding))
     }
 
-    /// True where the body holds a point, with what winds around it in the body's space.
+    /// True where the body holds a point, with how far in front of it a point of the body's space stands, and what
+    /// winds around that.
     pub(super) fn holds_by(
         &self,
         body: &Body,
         point: DVec3,
-        winding: impl FnOnce(DVec3) -> i32,
+        (height, winding): (
+            impl FnOnce(DVec3, DVec3) -> Option<f64>,
+            impl FnOnce(DVec3) -> i32,
+        ),
     ) -> bool {
         let apart = point.cmplt(body.low) | point.cmpgt(body.high);
         if apart.any() {
@@ -137,10 +142,7 @@ impl Solids {
         }
         let (surface, local) = (self.surface(body), body.inverse.transform_point3(point));
         match surface.front {
-            Some(front) => {
-                let height = self.tree(body).height(&self.scene, local, front);
-                height.is_some_and(|height| height < 0.0)
-            }
+            Some(front) => height(local, front).is_some_and(|height| height < 0.0),
             None => f64::from(winding(local)) * surface.content() > 0.0,
         }
     }

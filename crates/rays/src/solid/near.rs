@@ -1,6 +1,6 @@
 //! What bodies count at many points that lie near one another.
 
-use super::tree::CLEAR;
+use super::tree::{CLEAR, height_over};
 use super::{Body, Solids};
 use crate::triangle::ShearedRay;
 use glam::DVec3;
@@ -14,8 +14,9 @@ pub struct Near<'a> {
     /// The box, in the body's space.
     low: DVec3,
     high: DVec3,
-    /// All faces that may meet it.
+    /// All faces that may meet it; of a surface that looks to one side those over and under it.
     faces: Vec<Plane>,
+    sheet: Vec<[[f32; 3]; 3]>,
     /// A point in the body's space, and how often the surface winds around it.
     known: Option<(DVec3, i32)>,
 }
@@ -29,14 +30,28 @@ impl Near<'_> {
     /// As [`Solids::depth`]; soon known of points in the box.
     pub fn depth(&mut self, point: DVec3, own: Option<u32>) -> i32 {
         let solids = self.solids;
-        solids.depth_by(self.body, point, own, |of| {
-            solids.holds_by(of, point, |local| self.winding(of, local))
+        solids.depth_by(self.body, point, own, |of| match solids.surface(of).front {
+            Some(_) => {
+                let far = |local, front| solids.tree(of).height(&solids.scene, local, front);
+                let height = |local, front| match self.has(local) {
+                    true => height_over(&self.sheet, local, front),
+                    false => far(local, front),
+                };
+                solids.holds_by(of, point, (height, |_| 0))
+            }
+            None => solids.holds_by(of, point, (|_, _| None, |local| self.winding(of, local))),
         })
+    }
+
+    /// True for a point in the box.
+    fn has(&self, point: DVec3) -> bool {
+        let apart = point.cmplt(self.low) | point.cmpgt(self.high);
+        !apart.any()
     }
 
     fn winding(&mut self, body: &Body, point: DVec3) -> i32 {
         let far = || self.solids.winding(body, point);
-        if point.cmplt(self.low).any() || point.cmpgt(self.high).any() {
+        if !self.has(point) {
             return far();
         }
         let climbed = self
@@ -129,17 +144,21 @@ impl Solids {
         // Points between those given are rounded too.
         let slack = 1e-6 * (high - low).max_element();
         let (low, high) = (low - slack, high + slack);
+        let (tree, front) = (self.tree(of), self.surface(of).front);
+        let sheet = front.map(|front| tree.over(&self.scene, [low, high], front));
+        let faces = match sheet {
+            Some(_) => Vec::new(),
+            None => tree.about(&self.scene, low, high),
+        };
+        let reach = low.abs().max(high.abs()).max_element();
+        let faces = faces.into_iter().chain(self.panes(of).copied());
         Near {
             solids: self,
             body,
             low,
             high,
-            faces: {
-                let faces = self.tree(of).about(&self.scene, low, high);
-                let reach = low.abs().max(high.abs()).max_element();
-                let faces = faces.into_iter().chain(self.panes(of).copied());
-                faces.map(|corners| Plane::of(corners, reach)).collect()
-            },
+            faces: faces.map(|corners| Plane::of(corners, reach)).collect(),
+            sheet: sheet.unwrap_or_default(),
             known: None,
         }
     }

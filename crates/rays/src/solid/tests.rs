@@ -8,6 +8,7 @@ mod uneven;
 mod wounds;
 
 use super::*;
+use crate::Mix;
 use crate::fixture::{block, mask_left_half, mesh, placed_scene, scene, world};
 use glam::{DQuat, Vec3};
 use scene::Mesh;
@@ -362,6 +363,46 @@ fn depths_near_a_surface_are_those_seen_from_far() {
             }
         }
     }
+}
+
+#[test]
+fn heights_near_a_sheet_are_those_asked_of_all_of_it() {
+    // Bumps, of which one stands out of the box of points.
+    let bump = |k: u32| [0.0, 0.3, -0.2, 0.9, 0.1][k as usize % 5];
+    let corner = |k: u32| Vec3::new((k % 7) as f32, bump(k * k), (k / 7) as f32);
+    let square = |k: u32| {
+        let a = k / 6 * 7 + k % 6;
+        [[a, a + 7, a + 1], [a + 1, a + 7, a + 8]]
+    };
+    let sheet = mesh(
+        (0..49).map(corner).collect(),
+        (0..36).flat_map(square).collect(),
+    );
+    let mut post = block(Vec3::new(3.0, 2.0, 3.0), Vec3::new(0.4, 3.0, 0.4), false);
+    post.positions.iter_mut().for_each(|p| p.y += 0.05);
+    let solids = solids(vec![sheet, post]);
+    let ground = (0..solids.bodies.len() as u32).find(|&body| solids.is_ground(body));
+    let ground = ground.expect("the post is rooted in the sheet");
+    let Inside::Behind(rooted) = &solids.bodies[ground as usize].inside else {
+        panic!("a ground");
+    };
+    let post = Some(rooted[0]);
+    let mut mix = Mix(3);
+    let mut point = |half: f64| {
+        let at = [0; 3].map(|_| half * (2.0 * mix.unit() - 1.0));
+        DVec3::new(3.0, 0.2, 3.0) + DVec3::from(at)
+    };
+    let mut counts = [0; 2];
+    for half in [0.05, 0.4, 2.5] {
+        let points: Vec<DVec3> = (0..500).map(|_| point(half)).collect();
+        let mut near = solids.near(ground, points.iter().copied());
+        for &point in &points {
+            let expected = solids.depth(ground, point, post);
+            assert_eq!(near.depth(point, post), expected, "{point}");
+            counts[expected as usize] += 1;
+        }
+    }
+    assert!(counts[0] > 200 && counts[1] > 200, "{counts:?}");
 }
 
 #[test]

@@ -179,16 +179,32 @@ impl SurfaceTree {
 
     /// The same along a line that leans to one of four sides.
     fn height_to(&self, scene: &Scene, point: DVec3, front: DVec3, side: [f64; 2]) -> Option<f64> {
-        let across = front.any_orthonormal_vector();
-        let [a, b] = [0, 1].map(|k| UPRIGHT * LEAN[k] * side[k]);
-        let direction = front + across * a + front.cross(across) * b;
-        let mut nearest: Option<f64> = None;
+        let mut nearest = Nearest::default();
+        let direction = upright(front, side);
         self.cross(scene, point, direction, f64::NEG_INFINITY, |crossing| {
-            if nearest.is_none_or(|t| crossing.t.abs() < t.abs()) {
-                nearest = Some(crossing.t);
-            }
+            nearest.take(&crossing);
         });
-        nearest.map(|t| -t)
+        nearest.height()
+    }
+
+    /// The triangles that decide the [`SurfaceTree::height`] of points in a box.
+    pub fn over(&self, scene: &Scene, [low, high]: [DVec3; 2], front: DVec3) -> Vec<[[f32; 3]; 3]> {
+        let [least, most] = [self.nodes[0].low, self.nodes[0].high].map(|end| end.as_dvec3());
+        let (middle, half) = ((low + high) * 0.5, (high - low) * 0.5);
+        let farthest = (low - most).abs().max((high - least).abs()).length();
+        let slack = UPRIGHT * farthest + 1e-9 * low.abs().max(high.abs()).length();
+        let across = front.any_orthonormal_vector();
+        let may = |least: DVec3, most: DVec3| {
+            let (off, reach) = ((least + most) * 0.5 - middle, (most - least) * 0.5 + half);
+            let meets = |axis: DVec3| off.dot(axis).abs() <= reach.dot(axis.abs()) + slack;
+            meets(across) && meets(front.cross(across))
+        };
+        let mut found = Vec::new();
+        self.any_of(scene, least, most, may, |corners| {
+            found.push(corners);
+            false
+        });
+        found
     }
 
     /// Where a straight way meets the surface, as shares of it.
@@ -338,6 +354,39 @@ impl SurfaceTree {
 
     fn faces_of(&self, node: &Node) -> &[Face] {
         &self.faces[node.first as usize..(node.first + node.count) as usize]
+    }
+}
+
+/// How far in front of some triangles a point stands, as [`SurfaceTree::height`] tells it of a surface.
+pub(super) fn height_over(triangles: &[[[f32; 3]; 3]], point: DVec3, front: DVec3) -> Option<f64> {
+    let mut nearest = Nearest::default();
+    let sight = ShearedRay::new(point, upright(front, [1.0, 1.0]));
+    let crossings = triangles.iter().filter_map(|corners| sight.cross(corners));
+    crossings.for_each(|crossing| nearest.take(&crossing));
+    nearest.height()
+}
+
+/// A line along a direction that leans to one of four sides.
+fn upright(front: DVec3, side: [f64; 2]) -> DVec3 {
+    let across = front.any_orthonormal_vector();
+    let [a, b] = [0, 1].map(|k| UPRIGHT * LEAN[k] * side[k]);
+    front + across * a + front.cross(across) * b
+}
+
+/// The crossing nearest to the start of a line, on either side.
+#[derive(Default)]
+struct Nearest(Option<f64>);
+
+impl Nearest {
+    fn take(&mut self, crossing: &Crossing) {
+        if self.0.is_none_or(|t| crossing.t.abs() < t.abs()) {
+            self.0 = Some(crossing.t);
+        }
+    }
+
+    /// How far its start stands in front of it.
+    fn height(&self) -> Option<f64> {
+        self.0.map(|t| -t)
     }
 }
 
