@@ -313,7 +313,7 @@ fn a_number_below_0_is_told_what_belongs_there() {
     let path = scene("plane.obj").display().to_string();
     for (flag, says) in [
         ("--max-distance", "above 0"),
-        ("--rays", "1..="),
+        ("--rays", "whole number from 1"),
         ("--albedo", "three numbers"),
     ] {
         let output = run(["bake", &path, flag, "-1"]);

@@ -7,7 +7,7 @@ use crate::progress::{Show, watch};
 use crate::stop::Stop;
 use ambake::Backend;
 use ambake::flags::common::Common;
-use ambake::flags::parse::{color, field_of_view, positive, triple};
+use ambake::flags::parse::{color, field_of_view, positive, triple, whole};
 use ambake::flags::values::word;
 use ambient::Estimate;
 use ambient::convention::lobe_scale;
@@ -49,10 +49,10 @@ pub struct Args {
     #[arg(long, value_name = "E", default_value_t = 1.0, value_parser = positive)]
     pub exposure: f64,
     /// Camera samples of a pixel: a regular grid of N x N
-    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=16))]
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = whole::<u32>(1..=16))]
     pub samples: u32,
     /// Rays over the hemisphere of every camera sample, and as many over each lobe that is tried
-    #[arg(long, value_name = "N", default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    #[arg(long, value_name = "N", default_value_t = 512, value_parser = whole::<u32>(1..=65_536))]
     pub rays: u32,
     /// Ray library [default: embree where it is built in, else obvhs]
     #[arg(long, value_parser = word::<Backend>())]

@@ -2,7 +2,7 @@
 //! Python's keyword arguments and the table of docs/flags.md are read from them.
 
 use super::common::{Common, Shining};
-use super::parse::{at_least_zero, color, exponent, positive};
+use super::parse::{at_least_zero, color, exponent, positive, whole};
 use super::sky::{SkyArg, sky};
 use super::values::{
     Density, Eyes, bounces, buried_of, choice, coefficient, density, density_of, either, engine,
@@ -57,7 +57,7 @@ pub struct Earlier {
 pub struct Job {
     /// Page edge in texels
     #[arg(help_heading = "Texels")]
-    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=16384))]
+    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = whole::<u32>(1..=16384))]
     pub size: u32,
     /// Texels per scene unit of every object, for which pages are added as needed; `even` is one for all, the
     /// largest that fits the pages [default: one page, shared so that no large object ruins the rest]
@@ -105,7 +105,7 @@ pub struct Job {
     /// Rays per texel over the hemisphere, up to a quarter more where little of the sky is seen; a highlight takes what
     /// it is worth beside them, or as many where it is asked for itself
     #[arg(help_heading = "Rays")]
-    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=16_777_216))]
+    #[arg(long, value_name = "N", default_value_t = 256, value_parser = whole::<u32>(1..=16_777_216))]
     pub rays: u32,
     /// Instead of a fixed number: the rays by which the root mean square of a page's standard errors is at most E, tile
     /// by tile, after denoising
@@ -118,7 +118,7 @@ pub struct Job {
     pub target_relative: Option<f64>,
     /// With --target-error: the most rays that a texel may take over the hemisphere
     #[arg(help_heading = "Rays", hide_short_help = true)]
-    #[arg(long, value_name = "N", default_value_t = 16_384, requires = "target_error", conflicts_with = "rays", value_parser = clap::value_parser!(u32).range(16..=16_777_216))]
+    #[arg(long, value_name = "N", default_value_t = 16_384, requires = "target_error", conflicts_with = "rays", value_parser = whole::<u32>(16..=16_777_216))]
     pub max_rays: u32,
     /// Where the samples of a texel lie: all over the part that charts cover, or at its point nearest to the texel's
     /// centre, to compare with programs that sample centres
@@ -201,17 +201,17 @@ pub struct Job {
     pub uv: Uv,
     /// Texels kept empty around every chart that is packed: two charts are 2 N texels apart. All of them are filled
     #[arg(help_heading = "Texels", hide_short_help = true)]
-    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(0..=128))]
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = whole::<u32>(0..=128))]
     pub gutter: u32,
     /// Mip levels of the page on which no bilinear, trilinear or bicubic look-up mixes packed charts: the gutter grows
     /// to 4, 9, 19, 39 texels for 1, 2, 3, 4 levels
     #[arg(help_heading = "Texels", hide_short_help = true)]
-    #[arg(long, value_name = "L", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=6))]
+    #[arg(long, value_name = "L", default_value_t = 0, value_parser = whole::<u32>(0..=6))]
     pub mips: u32,
     /// Blocks of N x N texels never hold texels of two packed charts or their gutters, for compressed textures: 4 for
     /// BC, up to 12 for ASTC
     #[arg(help_heading = "Texels", hide_short_help = true)]
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=16))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u32>(1..=16))]
     pub align: u32,
     #[arg(help_heading = "Files")]
     #[arg(long, value_name = "A,B,C", value_delimiter = ',', value_parser = layer, help = "Further layers, separated by commas; --help lists them", long_help = layer_help("Further layers, separated by commas"))]

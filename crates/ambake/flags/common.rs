@@ -1,6 +1,6 @@
 //! Flags that several verbs share.
 
-use super::parse::{light, rect, sphere, sun};
+use super::parse::{light, rect, sphere, sun, whole};
 use clap::Args;
 use glam::DVec3;
 use rays::Light;
@@ -9,11 +9,11 @@ use rays::Light;
 pub struct Common {
     /// Worker threads [default: all cores]
     #[arg(help_heading = "Machine")]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = whole::<u32>(1..=1024))]
     pub threads: Option<u32>,
     /// Seed of the sample points
     #[arg(help_heading = "Rays", hide_short_help = true)]
-    #[arg(long, value_name = "S", default_value_t = 0)]
+    #[arg(long, value_name = "S", default_value_t = 0, value_parser = whole::<u64>(0..=u64::MAX))]
     pub seed: u64,
     /// Read files that the scene names outside of its folder too, for a scene that you trust
     #[arg(help_heading = "Files", hide_short_help = true)]

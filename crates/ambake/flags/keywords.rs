@@ -154,14 +154,10 @@ pub fn parsed<T: Parser>(words: &[OsString]) -> Result<T, String> {
 
 /// What is wrong with a value, as a sentence that needs no command line beside it.
 pub fn problem(value: &str, source: &str) -> String {
-    let range = source.split_once(" is not in ");
-    let range = range.and_then(|(_, range)| range.split_once("..="));
     let unknown = source.strip_prefix("unknown ");
-    let unknown = unknown.and_then(|of| of.split_once(';'));
-    match (range, unknown) {
-        (Some((least, most)), _) => format!("must be between {least} and {most}"),
-        (_, Some((what, known))) => format!("there is no {what} {value:?};{known}"),
-        _ => source.into(),
+    match unknown.and_then(|of| of.split_once(';')) {
+        Some((what, known)) => format!("there is no {what} {value:?};{known}"),
+        None => source.into(),
     }
 }
 
@@ -188,7 +184,7 @@ mod tests {
             parsed::<Bake>(&words).err().unwrap_or_default()
         };
         for (words, line) in [
-            ("--size=0", "size: must be between 1 and 16384"),
+            ("--size=0", "size: must be a whole number from 1 to 16384"),
             ("--under=-1", "under: must be at least 0"),
             ("--seams=all", r#"seams: "all" is none of off, object"#),
             ("--for=quake", r#"for_: there is no engine "quake"; there"#),

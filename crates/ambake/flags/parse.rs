@@ -1,12 +1,36 @@
 //! Words of the command line to values, for every verb. Errors say what belongs there; clap names the flag.
 
 use glam::DVec3;
+use std::fmt::Display;
+use std::ops::RangeInclusive;
+
+/// Up to here 64-bit numbers hold all whole ones.
+const EXACT: f64 = (1u64 << 53) as f64;
 
 /// A finite number.
 pub fn number(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
         _ => Err(format!("`{text}` is not a finite number")),
+    }
+}
+
+/// A whole number within some bounds. It may be written as `1e3` too.
+pub fn whole<T: Copy + Display + PartialOrd + TryFrom<u64>>(
+    bounds: RangeInclusive<T>,
+) -> impl Fn(&str) -> Result<T, String> + Clone {
+    move |text| {
+        let rounded = || {
+            let value = number(text).ok()?;
+            let is_exact = value.fract() == 0.0 && (0.0..=EXACT).contains(&value);
+            is_exact.then_some(value as u64)
+        };
+        let value = text.trim().parse().ok().or_else(rounded);
+        let value = value.and_then(|value| T::try_from(value).ok());
+        value.filter(|value| bounds.contains(value)).ok_or_else(|| {
+            let (least, most) = (bounds.start(), bounds.end());
+            format!("must be a whole number from {least} to {most}")
+        })
     }
 }
 
@@ -146,6 +170,19 @@ mod tests {
         }
         assert!(exponent("-1").is_err() && exponent("2e6").is_err());
         assert!(field_of_view("0").is_err() && field_of_view("180").is_err());
+    }
+
+    #[test]
+    fn whole_numbers_say_what_is_allowed() {
+        let size = whole::<u32>(1..=16_384);
+        assert_eq!((size("1024"), size(" 1e3 ")), (Ok(1024), Ok(1000)));
+        for wrong in ["1e9", "0", "-4", "1.5", "1e60", "inf", "large", ""] {
+            let allowed = "must be a whole number from 1 to 16384";
+            assert_eq!(size(wrong), Err(allowed.into()), "{wrong}");
+        }
+        let seed = whole::<u64>(0..=u64::MAX);
+        assert_eq!(seed("18446744073709551615"), Ok(u64::MAX));
+        assert!(seed("18446744073709551616").is_err() && seed("1e20").is_err());
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The flags of probes, but for those that say where they go.
 
 use super::common::Shining;
-use super::parse::{positive, triple};
+use super::parse::{positive, triple, whole};
 use super::sky::{SkyArg, sky};
 use super::values::{bounces, either, target_error, word};
 use crate::error::Error;
@@ -56,11 +56,11 @@ pub struct Job {
     pub bake: Option<PathBuf>,
     /// Order of the harmonics: 4, 9 or 16 of them
     #[arg(help_heading = "Files", hide_short_help = true)]
-    #[arg(long, value_name = "L", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=3))]
+    #[arg(long, value_name = "L", default_value_t = 2, value_parser = whole::<u8>(1..=3))]
     pub order: u8,
     /// Rays of a probe in even directions; as many again are aimed at lamps, at lights with extent and by a mapped sky
     #[arg(help_heading = "Rays")]
-    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(64..=16_777_216))]
+    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = whole::<u32>(64..=16_777_216))]
     pub rays: u32,
     /// Instead of a fixed number: the rays by which the standard error of each probe is at most E, of the light on a
     /// matt white surface, which an open sky of 1 makes 1
@@ -69,7 +69,7 @@ pub struct Job {
     pub target_error: Option<f64>,
     /// With --target-error: the most rays that a probe may take
     #[arg(help_heading = "Rays", hide_short_help = true)]
-    #[arg(long, value_name = "N", default_value_t = 65_536, requires = "target_error", value_parser = clap::value_parser!(u32).range(64..=16_777_216))]
+    #[arg(long, value_name = "N", default_value_t = 65_536, requires = "target_error", value_parser = whole::<u32>(64..=16_777_216))]
     pub max_rays: u32,
     /// Gather every second probe of a volume along each axis, and all only where those do not tell a probe between them
     /// within E, of the light on a matt white surface, which an open sky of 1 makes 1; the others are interpolated
@@ -105,7 +105,7 @@ pub struct Job {
     pub parts: bool,
     /// Random places at which interpolation between probes is tried; 0 for none
     #[arg(help_heading = "Rays", hide_short_help = true)]
-    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = whole::<u32>(0..=1_000_000))]
     pub tried: u32,
     /// Ray library [default: embree where it is built in, else obvhs]
     #[arg(help_heading = "Machine", hide_short_help = true)]

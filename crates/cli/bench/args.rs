@@ -2,6 +2,7 @@
 
 use ambake::flags::bake::Job;
 use ambake::flags::common::Common;
+use ambake::flags::parse::whole;
 use clap::Args as ClapArgs;
 use std::path::PathBuf;
 
@@ -59,7 +60,7 @@ pub struct Args {
     )]
     pub python: PathBuf,
     /// Repeats of every measurement
-    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=100))]
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = whole::<u32>(1..=100))]
     pub repeats: u32,
     #[command(flatten)]
     pub common: Common,

@@ -1,7 +1,7 @@
 //! What was typed after `ambake map`.
 
 use ambake::Backend;
-use ambake::flags::parse::{field_of_view, light, number, size, triple};
+use ambake::flags::parse::{field_of_view, light, number, size, triple, whole};
 use ambake::flags::sky::{SkyArg, sky};
 use ambake::flags::values::{named, word};
 use clap::{Args as ClapArgs, Subcommand, ValueEnum};
@@ -54,7 +54,7 @@ pub struct Input {
 #[derive(ClapArgs)]
 pub struct Common {
     /// Worker threads [default: all cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = whole::<u32>(1..=1024))]
     pub threads: Option<u32>,
     /// Print nothing but errors
     #[arg(short, long)]
@@ -269,13 +269,13 @@ pub struct Capture {
     #[arg(long, value_name = "WxH", conflicts_with = "face", value_parser = size)]
     pub size: Option<[u32; 2]>,
     /// Edge of each of the six pictures of a cube in texels; other projections get as many on the equator
-    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=4096))]
+    #[arg(long, value_name = "N", default_value_t = 256, value_parser = whole::<u32>(1..=4096))]
     pub face: u32,
     /// Camera rays of a texel: a regular grid of K x K
-    #[arg(long, value_name = "K", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=64))]
+    #[arg(long, value_name = "K", default_value_t = 3, value_parser = whole::<u32>(1..=64))]
     pub samples: u32,
     /// Rays of every camera ray over the hemisphere where it ends, and as many toward shining surfaces
-    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(0..=65_536))]
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = whole::<u32>(0..=65_536))]
     pub rays: u32,
     /// Sky radiance, linear: R,G,B for a uniform sky, or an illumination map (.hdr, .exr; polar unless its header says
     /// otherwise)
@@ -294,7 +294,7 @@ pub struct Capture {
     #[arg(long, value_parser = word::<Backend>())]
     pub backend: Option<Backend>,
     /// Seed of the sample points
-    #[arg(long, value_name = "S", default_value_t = 0)]
+    #[arg(long, value_name = "S", default_value_t = 0, value_parser = whole::<u64>(0..=u64::MAX))]
     pub seed: u64,
     #[command(flatten)]
     pub common: Common,

@@ -5,7 +5,7 @@ use super::tables_args::Tables;
 use ::render::Model;
 use ambake::Backend;
 use ambake::flags::common::{Common, Shining};
-use ambake::flags::parse::{color, exponent, field_of_view, number, positive, size, triple};
+use ambake::flags::parse::{color, exponent, field_of_view, number, positive, size, triple, whole};
 use ambake::flags::sky::{SkyArg, sky};
 use ambake::flags::values::word;
 use clap::{Args as ClapArgs, ValueEnum};
@@ -54,7 +54,7 @@ pub struct Args {
     pub model: Option<Model>,
     /// Rays over the hemisphere of every camera sample, and as many over a specular lobe; 0 leaves ambient light out
     #[arg(help_heading = "Rays")]
-    #[arg(long, value_name = "N", default_value_t = 64, conflicts_with = "bake", value_parser = clap::value_parser!(u32).range(0..=65_536))]
+    #[arg(long, value_name = "N", default_value_t = 64, conflicts_with = "bake", value_parser = whole::<u32>(0..=65_536))]
     pub rays: u32,
     /// Take the ambient model from the finished bake of SCENE in DIR instead; its Phong term is that of the view the
     /// bake was made for (`bake --view`), not of this camera
@@ -144,7 +144,7 @@ pub struct View {
     pub size: [u32; 2],
     /// Camera samples of a pixel: a regular grid of N x N
     #[arg(help_heading = "Camera")]
-    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=64))]
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = whole::<u32>(1..=64))]
     pub samples: u32,
 }
 

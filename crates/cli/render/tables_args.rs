@@ -2,7 +2,7 @@
 
 use ::frames::{Lookup, NormalCode};
 use ::render::Weight;
-use ambake::flags::parse::{exponent, number, positive};
+use ambake::flags::parse::{exponent, number, positive, whole};
 use ambake::flags::values::word;
 use clap::{ArgGroup, Args as ClapArgs, ValueEnum};
 use std::path::PathBuf;
@@ -80,7 +80,7 @@ pub struct Tables {
     pub relight: bool,
     /// Frames of a sequence OUT.0000.exr, OUT.0001.exr, … [default with --path: one a key]
     #[arg(help_heading = "Files", hide_short_help = true)]
-    #[arg(long, value_name = "N", requires = "shading", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(long, value_name = "N", requires = "shading", value_parser = whole::<u32>(1..=1_000_000))]
     pub frames: Option<u32>,
     /// Degrees that the objects turn from frame to frame about --up through the middle of the scene
     #[arg(help_heading = "Files", hide_short_help = true)]

@@ -207,7 +207,7 @@ def test_a_textured_trimesh_comes_back():
         (lambda: ambake.bake(FLOOR, QUAD, uvs=FLOOR[:3, :2]), ValueError, "3 uvs for 4 positions"),
         (lambda: ambake.bake(FLOOR, QUAD[:0]), ValueError, "no mesh has a triangle"),
         (lambda: ambake.bake("floor"), TypeError, "faces: give them"),
-        (lambda: ambake.bake(FLOOR, QUAD, size=0), ValueError, "size: must be between 1 and 16384"),
+        (lambda: ambake.bake(FLOOR, QUAD, size=0), ValueError, "size: must be a whole number from 1 to 16384"),
         (lambda: ambake.bake(FLOOR, QUAD, size=-1), ValueError, "size: below 0 or too large"),
         (lambda: ambake.bake(FLOOR, QUAD, size="big"), TypeError, "size: "),
         (lambda: ambake.bake(FLOOR, QUAD, sise=64), TypeError, "there is no option sise; there are size"),
