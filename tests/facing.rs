@@ -1,7 +1,7 @@
 //! Faces that look into their own object while their backs are in the open: they are dark, and a line says so.
 
 use crate::support::{BOX_SIDES, bake, report, run_well};
-use serde_json::json;
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
 /// Writes boxes of glTF, drawn from one side, of which these sides look inward.
@@ -63,6 +63,72 @@ fn a_side_of_a_box_that_looks_into_it_is_told_of() {
             let texels = report["pages"][0]["texels"].as_f64().expect("a number");
             let share = told["count"].as_f64().expect("a number") / texels;
             assert!((share - expected).abs() < 0.04, "{inward:?}: {share}");
+        }
+    }
+}
+
+/// Writes a box in a box that looks inward, so many times as large, as toon shading draws an outline, both drawn from
+/// one side.
+fn outlined(folder: &Path, scale: f64) -> PathBuf {
+    let path = boxes(folder, &[]);
+    let text = std::fs::read_to_string(&path).expect("a file");
+    let mut scene: Value = serde_json::from_str(&text).expect("JSON");
+    let shell = folder.join("shell");
+    std::fs::create_dir(&shell).expect("a folder");
+    boxes(&shell, &[0, 1, 2, 3, 4, 5]);
+    let mut add = |list: &str, to: &dyn Fn(&mut Value)| {
+        let list = scene[list].as_array_mut().expect("a list");
+        for mut item in list.clone() {
+            to(&mut item);
+            list.push(item);
+        }
+    };
+    add("buffers", &|of| of["uri"] = json!("shell/box.bin"));
+    add("bufferViews", &|of| of["buffer"] = json!(1));
+    add("accessors", &|of| {
+        of["bufferView"] = json!(2 + of["bufferView"].as_u64().expect("a number"));
+    });
+    add("meshes", &|of| {
+        of["primitives"][0] = json!({"attributes": {"POSITION": 2}, "indices": 3, "material": 0});
+    });
+    let size = [scale; 3];
+    add("nodes", &|of| {
+        *of = json!({"mesh": 1, "name": "outline", "scale": size});
+    });
+    scene["scenes"][0]["nodes"] = json!([0, 1]);
+    std::fs::write(&path, scene.to_string()).expect("a file");
+    path
+}
+
+#[test]
+fn an_outline_around_an_object_is_told_of_with_flags_that_let_the_light_in() {
+    let flags = ["--no-cast=outline", "--exclude=outline"];
+    for (scale, more, told_of, light) in [
+        (1.03, &[][..], true, 0.0),
+        (1.03, &flags, false, 1.0),
+        (3.0, &[], false, 0.0),
+    ] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let scene = outlined(folder.path(), scale);
+        let words = ["--size=128", "--rays=4", "--only=diffuse,object"];
+        let (out, page) = bake(&scene, &[&words, more].concat());
+        let report = report(out.path());
+        let warnings = report["warnings"].as_array().expect("a list");
+        let told = warnings.iter().find(|of| of["kind"] == "outlines");
+        assert_eq!(told.is_some(), told_of, "{scale} {more:?}: {warnings:?}");
+        if let Some(told) = told {
+            assert_eq!(told["place"], "object `outline`");
+            let line = told["message"].as_str().expect("a text");
+            let cure = "`--no-cast outline --exclude outline`";
+            assert!(
+                line.contains("object `box`") && line.contains(cure),
+                "{line}"
+            );
+        }
+        for texel in 0..page.plane("object").len() {
+            if page.plane("coverage")[texel] > 0.0 && page.plane("object")[texel] == 0.0 {
+                assert_eq!(page.plane("diffuse")[texel], light, "{scale} {more:?}");
+            }
         }
     }
 }

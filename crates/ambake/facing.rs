@@ -5,11 +5,9 @@
 //! meant.
 
 use crate::job::Job;
-use crate::points::PLASTIC;
-use crate::shell::{POINTS, Stand, over, spread};
-use atlas::SurfacePoint;
+use crate::shell::{Look, POINTS, is_back};
 use glam::DVec3;
-use rays::{RayBackend, World};
+use rays::{RayBackend, SurfaceHit, World};
 use report::WarningReport;
 use std::collections::BTreeMap;
 
@@ -34,15 +32,15 @@ const NOTABLE: f64 = 0.125;
 const FEWEST: u32 = 4;
 
 /// The warning about them; `None` where a limit of distance lets light through what is closed.
-pub(crate) fn faces_away(job: &Job) -> Option<WarningReport> {
+pub(crate) fn faces_away(job: &Job, looks: &[Look]) -> Option<WarningReport> {
     if job.options().max_distance.is_some() {
         return None;
     }
     let (world, backend, atlas) = (job.world(), job.backend(), job.atlas());
     let mut found: BTreeMap<u32, u32> = BTreeMap::new();
-    for point in spread(world.scene(), atlas) {
-        if looks_away(world, backend, &point) {
-            *found.entry(point.instance).or_default() += 1;
+    for look in looks {
+        if looks_away(world, backend, look) {
+            *found.entry(look.point.instance).or_default() += 1;
         }
     }
     let share = f64::from(found.values().sum::<u32>()) / f64::from(POINTS);
@@ -64,7 +62,7 @@ pub(crate) fn faces_away(job: &Job) -> Option<WarningReport> {
 /// The warnings about objects that are drawn from both sides, and of which a notable part is baked dark while its other
 /// side is light: sheets that are wound the wrong way, such as a roof that looks into its house. None of rooms, whose
 /// insides are looked at, and none of cut-out leaves, which look anywhere.
-pub(crate) fn dark_sides(job: &Job) -> Vec<WarningReport> {
+pub(crate) fn dark_sides(job: &Job, looks: &[Look]) -> Vec<WarningReport> {
     let (world, backend, atlas) = (job.world(), job.backend(), job.atlas());
     if job.options().max_distance.is_some() {
         return Vec::new();
@@ -72,13 +70,11 @@ pub(crate) fn dark_sides(job: &Job) -> Vec<WarningReport> {
     let up = job.options().up.direction().into();
     let mut outward = 0;
     let mut counts: BTreeMap<&str, [u32; 3]> = BTreeMap::new();
-    for (k, point) in (0..).zip(spread(world.scene(), atlas)) {
-        let name = world.scene().instances[point.instance as usize]
-            .name
-            .as_str();
+    for look in looks {
+        let name = &world.scene().instances[look.point.instance as usize].name;
         let [all, within, before] = counts.entry(name).or_default();
         *all += 1;
-        match side(world, backend, up, &anywhere(point, k)) {
+        match side(world, backend, up, look) {
             Side::BeforeBacks => *within += 1,
             Side::BeforeFronts => *before += 1,
             Side::Outward => outward += 1,
@@ -114,16 +110,6 @@ pub(crate) fn dark_sides(job: &Job) -> Vec<WarningReport> {
     found.iter().map(report).collect()
 }
 
-/// The k-th point of some in a place of its own on its triangle.
-fn anywhere(point: SurfacePoint, k: u32) -> SurfacePoint {
-    let [u, v] = PLASTIC.map(|by| (0.5 + f64::from(k) * by).fract());
-    let root = u.sqrt();
-    SurfacePoint {
-        weights: [1.0 - root, root * (1.0 - v), root * v],
-        ..point
-    }
-}
-
 /// What the two sides of a point look at.
 enum Side {
     /// The baked side is dark and the other in the open; most rays from the dark one meet backs.
@@ -138,43 +124,38 @@ enum Side {
 
 /// What the sides of a point of a surface look at. Anything else is what is drawn from one side, cut out by a texture,
 /// buried, a floor, or found by [`faces_away`].
-fn side(world: &World, backend: &dyn RayBackend, up: DVec3, point: &SurfacePoint) -> Side {
+fn side(world: &World, backend: &dyn RayBackend, up: DVec3, look: &Look) -> Side {
     let scene = world.scene();
+    let point = &look.point;
     let mesh = &scene.meshes[scene.instances[point.instance as usize].mesh as usize];
-    let Some(stand) = Stand::at(world, point) else {
-        return Side::Other;
+    let normal = look.stand.normal;
+    let cosine = |way: &DVec3| way.dot(normal);
+    let all: f64 = look.ways.iter().map(|(way, _)| cosine(way)).sum();
+    let free = look.ways.iter().filter(|(_, hit)| hit.is_none());
+    let seen: f64 = free.map(|(way, _)| cosine(way)).sum();
+    let other = || -> f64 {
+        let free = look.behind().filter(|(_, ray)| !backend.occluded(ray));
+        free.map(|(way, _)| -cosine(&way)).sum()
     };
-    let normal = stand.normal;
-    let all: f64 = over(normal).map(|way| way.dot(normal)).sum();
-    let (mut seen, mut backs, mut ways) = (0.0, 0, Vec::new());
-    for direction in over(normal) {
-        match backend.closest(&stand.ray(normal, direction)) {
-            None => seen += direction.dot(normal),
-            Some(hit) => {
-                ways.push(f64::from(hit.t));
-                let is_back = world.face(hit.instance, hit.triangle).dot(direction) > 0.0;
-                backs += usize::from(is_back);
-            }
-        }
-    }
-    let leaves = |way: &DVec3| !backend.occluded(&stand.ray(-normal, *way));
-    let other = || over(-normal).filter(leaves).map(|way| -way.dot(normal));
-    if seen >= LIGHT * all && other().sum::<f64>() <= DARK * all {
+    if seen >= LIGHT * all && other() <= DARK * all {
         return Side::Outward;
     }
     if seen > DARK * all
         || !scene.materials[mesh.material as usize].is_opaque()
         || !world.is_double_sided(point.instance)
-        || other().sum::<f64>() < LIGHT * all
+        || other() < LIGHT * all
         || world.is_buried(point.instance, point.triangle, point.weights)
-        || looks_away(world, backend, point)
+        || looks_away(world, backend, look)
     {
         return Side::Other;
     }
-    ways.sort_unstable_by(f64::total_cmp);
-    let is_close = ways[ways.len() / 2] <= CLOSE * world.bounds().diagonal();
+    let backs = look.hits().filter(|(way, hit)| is_back(world, *way, hit));
+    let backs = backs.count();
+    let mut lengths: Vec<f64> = look.hits().map(|(_, hit)| f64::from(hit.t)).collect();
+    lengths.sort_unstable_by(f64::total_cmp);
+    let is_close = lengths[lengths.len() / 2] <= CLOSE * world.bounds().diagonal();
     let is_floor = normal.dot(up) > LEVEL * up.length();
-    match 2 * backs >= ways.len() {
+    match 2 * backs >= lengths.len() {
         true if is_floor => Side::Other,
         true => Side::BeforeBacks,
         false if is_close => Side::BeforeFronts,
@@ -183,24 +164,16 @@ fn side(world: &World, backend: &dyn RayBackend, up: DVec3, point: &SurfacePoint
 }
 
 /// True where a face looks into its own object and its back does not.
-fn looks_away(world: &World, backend: &dyn RayBackend, point: &SurfacePoint) -> bool {
-    let (instance, triangle) = (point.instance, point.triangle);
-    let Some(stand) = Stand::at(world, point) else {
-        return false;
-    };
-    let normal = stand.normal;
-    let (mut cast, mut backs) = (0, 0);
-    for direction in over(normal) {
-        let Some(hit) = backend.closest(&stand.ray(normal, direction)) else {
-            return false;
-        };
-        cast += 1;
-        let is_back = world.face(hit.instance, hit.triangle).dot(direction) > 0.0;
-        backs += usize::from(is_back && hit.instance == instance);
-    }
-    if 100 * backs < BACKS * cast || world.is_buried(instance, triangle, point.weights) {
+fn looks_away(world: &World, backend: &dyn RayBackend, look: &Look) -> bool {
+    let point = &look.point;
+    let own =
+        |of: &(DVec3, SurfaceHit)| is_back(world, of.0, &of.1) && of.1.instance == point.instance;
+    if look.hits().count() < look.ways.len()
+        || 100 * look.hits().filter(own).count() < BACKS * look.ways.len()
+        || world.is_buried(point.instance, point.triangle, point.weights)
+    {
         return false;
     }
-    let leaves = |direction: &DVec3| !backend.occluded(&stand.ray(-normal, *direction));
-    100 * over(-normal).filter(leaves).count() >= OPEN * cast
+    let leaving = look.behind().filter(|(_, ray)| !backend.occluded(ray));
+    100 * leaving.count() >= OPEN * look.ways.len()
 }

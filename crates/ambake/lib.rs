@@ -130,6 +130,7 @@ mod memory;
 mod merge;
 mod object;
 mod options;
+mod outline;
 #[cfg(feature = "write")]
 mod parts;
 mod points;

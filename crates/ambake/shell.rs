@@ -1,9 +1,11 @@
 //! The outsides of rooms, which nobody within sees.
 
 use crate::eyes::is_seen;
+use crate::job::Job;
+use crate::points::PLASTIC;
 use atlas::{Atlas, SurfacePoint};
 use glam::{DVec2, DVec3, Vec2};
-use rays::{Ray, RayBackend, World};
+use rays::{Ray, RayBackend, SurfaceHit, World};
 use scene::Scene;
 use std::f64::consts::{PI, TAU};
 
@@ -57,6 +59,48 @@ impl Stand {
     }
 }
 
+/// What a point of a surface sees on its lit side.
+pub(crate) struct Look {
+    pub point: SurfacePoint,
+    pub stand: Stand,
+    /// The ways over the hemisphere, and what is met on each.
+    pub ways: Vec<(DVec3, Option<SurfaceHit>)>,
+}
+
+impl Look {
+    /// `None` on a triangle without an area.
+    pub fn at(world: &World, backend: &dyn RayBackend, point: SurfacePoint) -> Option<Self> {
+        let stand = Stand::at(world, &point)?;
+        let met = |way| (way, backend.closest(&stand.ray(stand.normal, way)));
+        let ways = over(stand.normal).map(met).collect();
+        Some(Self { point, stand, ways })
+    }
+
+    /// What is met on the ways on which something is.
+    pub fn hits(&self) -> impl Iterator<Item = (DVec3, SurfaceHit)> {
+        let ways = self.ways.iter();
+        ways.filter_map(|&(way, hit)| Some((way, hit?)))
+    }
+
+    /// The ways from the other side of the surface.
+    pub fn behind(&self) -> impl Iterator<Item = (DVec3, Ray)> {
+        let side = -self.stand.normal;
+        over(side).map(move |way| (way, self.stand.ray(side, way)))
+    }
+}
+
+/// Looks from [`POINTS`] points that are spread over the texels of a job.
+pub(crate) fn looks(job: &Job) -> Vec<Look> {
+    let points = spread(job.world().scene(), job.atlas()).into_iter();
+    let look = |point| Look::at(job.world(), job.backend(), point);
+    points.filter_map(look).collect()
+}
+
+/// True where a way meets the back of a face.
+pub(crate) fn is_back(world: &World, way: DVec3, hit: &SurfaceHit) -> bool {
+    world.face(hit.instance, hit.triangle).dot(way) > 0.0
+}
+
 /// The outsides of a scene of rooms.
 pub(crate) struct Shell<'a> {
     world: &'a World,
@@ -96,8 +140,8 @@ impl<'a> Shell<'a> {
     }
 }
 
-/// [`POINTS`] points that are spread over the texels of an atlas.
-pub(crate) fn spread(scene: &Scene, atlas: &Atlas) -> Vec<SurfacePoint> {
+/// [`POINTS`] points that are spread over the texels of an atlas, each in a place of its own on its triangle.
+fn spread(scene: &Scene, atlas: &Atlas) -> Vec<SurfacePoint> {
     let placed = scene.instances.iter().zip(&atlas.placements);
     let triangles: Vec<(u32, u32, f64)> = (0..)
         .zip(placed)
@@ -118,10 +162,13 @@ pub(crate) fn spread(scene: &Scene, atlas: &Atlas) -> Vec<SurfacePoint> {
     for (instance, triangle, area) in triangles {
         along += area;
         while next < along {
+            let k = points.len() as f64;
+            let [u, v] = PLASTIC.map(|by| (0.5 + k * by).fract());
+            let root = u.sqrt();
             points.push(SurfacePoint {
                 instance,
                 triangle,
-                weights: [1.0 / 3.0; 3],
+                weights: [1.0 - root, root * (1.0 - v), root * v],
             });
             next += step;
         }

@@ -3,7 +3,8 @@
 use crate::facing::{dark_sides, faces_away};
 use crate::hidden::hidden_faces;
 use crate::job::Job;
-use crate::shell::Shell;
+use crate::outline::outlines;
+use crate::shell::{Shell, looks};
 use ::bake::{AmbientCoefficient, Bounces, Model};
 use atlas::Pages;
 use layers::Layer;
@@ -71,6 +72,7 @@ impl Job {
         // Whoever asks for densities in the file knows that they differ.
         let asks = self.scene().instances.iter().any(|of| of.density.is_some());
         let uneven = (is_shared && !asks).then(|| self.layout_report().uneven_density());
+        let looks = self.within(|| looks(self));
         let of_scene = self
             .scene()
             .warnings
@@ -84,13 +86,14 @@ impl Job {
             .chain(uneven.flatten())
             .chain(self.touching())
             .chain(self.outsides())
-            .chain(self.within(|| hidden_faces(self)))
+            .chain(self.within(|| hidden_faces(self, &looks)))
+            .chain(self.within(|| outlines(self, &looks)))
             .chain(self.inside_out())
             .chain(self.collision_bodies())
             .chain(self.turned_over())
             .chain(self.averse_normals())
-            .chain(self.within(|| faces_away(self)))
-            .chain(self.within(|| dark_sides(self)))
+            .chain(self.within(|| faces_away(self, &looks)))
+            .chain(self.within(|| dark_sides(self, &looks)))
             .chain(self.too_bright())
             .chain(self.lights_left_out())
             .chain(self.lamps_left_out())
@@ -223,7 +226,7 @@ impl Job {
             place: format!("object `{}`", first.name),
             count: found.len() as u64,
             message: "faces of a closed surface look inward, so it is lit from within and dark: turn them over, unless \
-                      it is an empty room; an outline around other surfaces is left out by `--exclude NAME`"
+                      it is an empty room"
                 .into(),
         })
     }

@@ -15,7 +15,7 @@ use crate::job::Job;
 use crate::lit::LitScene;
 use crate::parts::Kind;
 use crate::resume::Saved;
-use crate::shell::Shell;
+use crate::shell::{Look, Shell};
 use crate::state::{self, Head};
 use crate::update::Tracker;
 use crate::vertices::Fit;
@@ -270,7 +270,11 @@ impl<'a> Writer<'a> {
                 self.job.options(),
                 self.job.has_lamps(),
                 |point| shell.as_ref().is_some_and(|shell| shell.hides(point)),
-                |point| is_hidden(self.job.world(), self.job.backend(), point),
+                |point| {
+                    let (world, backend) = (self.job.world(), self.job.backend());
+                    let look = Look::at(world, backend, *point);
+                    look.is_some_and(|look| is_hidden(world, backend, &look))
+                },
                 self.job.atlas().audit.texels,
             )
         });
