@@ -1,7 +1,8 @@
 """Baked copies: objects whose own mesh cannot hold a lightmap are shown by a copy in a collection of its own, and
 hidden.
 
-That is so where modifiers add or remove faces, where objects share a mesh, and where ambake cuts a polygon."""
+That is so where modifiers add or remove faces, where ambake cuts a polygon, and where objects share a mesh that
+modifiers bend in different ways."""
 
 import bpy
 

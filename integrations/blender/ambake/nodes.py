@@ -4,10 +4,12 @@ the material had, and one switch between the two for the whole file."""
 import bpy
 import numpy as np
 
-from . import copies
+from . import copies, linked
 
 # Name of the node group, of its node in each material, and of the switch in the group.
 GROUP = "ambake"
+# Name of the group, and of its node in each material, that carries the UV map to the place of an object.
+PLACE = "ambake place"
 SWITCH = "Show Baked"
 # Property of a material that a bake copied.
 COPY = "ambake copy"
@@ -22,25 +24,37 @@ LIT = {"irradiance", "lambert", "ggx", "phong"}
 def show(pages, images, layer, uv_map):
     """Lets materials show `layer` by that UV map. `pages` has the page of each polygon of each object that is baked."""
     outside = _materials_outside(pages)
-    made = {}
+    made, of_mesh = {}, {}
     for item in pages:
-        mesh = item.data
-        if not item.material_slots:
+        of_mesh.setdefault(item.data, []).append(item)
+    for mesh, items in of_mesh.items():
+        if not mesh.materials:
             mesh.materials.append(None)
+        before = [[slot.material for slot in item.material_slots] for item in items]
+        first = pages[items[0]]
+        # The mesh has the materials where all that use it show the same; else each object has its own.
+        same = [of == before[0] and (pages[item] == first).all() for of, item in zip(before, items)]
+        alike = mesh.users == len(items) and all(same)
         slots = np.empty(len(mesh.polygons), np.int32)
         mesh.polygons.foreach_get("material_index", slots)
-        slots = slots.clip(0, len(item.material_slots) - 1)
-        before = [slot.material for slot in item.material_slots]
-        for index, source in enumerate(before):
-            used = np.unique(pages[item][(slots == index) & (pages[item] >= 0)])
-            for k, page in enumerate(used.tolist()):
-                material = _material(made, outside, source, page)
-                _wire(material, images[layer, page], layer, uv_map)
-                if k == 0:
-                    item.material_slots[index].material = material
-                    continue
-                mesh.materials.append(material)
-                slots[(slots == index) & (pages[item] == page)] = len(mesh.materials) - 1
+        slots = slots.clip(0, len(mesh.materials) - 1)
+        for index in range(len(before[0])):
+            own = (slots == index) & (first >= 0)
+            for k, page in enumerate(np.unique(first[own]).tolist()):
+                slot = index
+                faces = own & (first == page)
+                if k > 0:
+                    slot = len(mesh.materials)
+                    mesh.materials.append(mesh.materials[index])
+                    slots[faces] = slot
+                for item, sources in zip(items, before):
+                    # Objects that share a mesh may lie on other pages, all faces of one together.
+                    number = int(pages[item][faces][0])
+                    material = _material(made, outside, sources[index], number)
+                    _wire(material, images[layer, number], layer, uv_map)
+                    if not alike:
+                        item.material_slots[slot].link = "OBJECT"
+                    item.material_slots[slot].material = material
         mesh.polygons.foreach_set("material_index", slots)
         mesh.update()
     for material in [of for of in bpy.data.materials if COPY in of and of.users == 0]:
@@ -130,6 +144,7 @@ def _wire(material, image, layer, uv_map):
     if switcher is None:
         switcher = _place(tree, output)
     tree.nodes["ambake UV"].uv_map = uv_map
+    _carry(tree)
     picture = tree.nodes["ambake image"]
     picture.image = image
     picture.label = layer
@@ -147,12 +162,24 @@ def _place(tree, output):
     picture.name, picture.location, picture.extension = "ambake image", (x - 320, y + 420), "EXTEND"
     place = tree.nodes.new("ShaderNodeUVMap")
     place.name, place.location = "ambake UV", (x - 520, y + 420)
-    tree.links.new(place.outputs["UV"], picture.inputs["Vector"])
     tree.links.new(picture.outputs["Color"], switcher.inputs["Light"])
     for socket in before:
         tree.links.new(socket, switcher.inputs["Shader"])
     tree.links.new(switcher.outputs["Shader"], output.inputs["Surface"])
     return switcher
+
+
+def _carry(tree):
+    """Leads the UV map through the group that carries it to the place of the object, of which earlier extensions knew
+    nothing."""
+    carrier = tree.nodes.get(PLACE)
+    if carrier is None:
+        start, end = tree.nodes["ambake UV"], tree.nodes["ambake image"]
+        carrier = tree.nodes.new("ShaderNodeGroup")
+        carrier.name, carrier.node_tree, carrier.location = PLACE, _place_group(), start.location
+        start.location = (start.location[0] - 200, start.location[1])
+        tree.links.new(start.outputs["UV"], carrier.inputs["UV"])
+        tree.links.new(carrier.outputs["UV"], end.inputs["Vector"])
 
 
 def _tint(tree, switcher, layer):
@@ -212,6 +239,30 @@ def _first(socket):
                 waiting.extend(link.from_node for link in socket.links if link.from_node not in seen)
         seen.append(node)
     return None
+
+
+def _place_group():
+    """The group that carries a UV map to the place of the object that is drawn."""
+    group = bpy.data.node_groups.get(PLACE)
+    if group is not None:
+        return group
+    group = bpy.data.node_groups.new(PLACE, "ShaderNodeTree")
+    for in_out in ("INPUT", "OUTPUT"):
+        group.interface.new_socket("UV", in_out=in_out, socket_type="NodeSocketVector")
+    start, end = group.nodes.new("NodeGroupInput"), group.nodes.new("NodeGroupOutput")
+    grown, sum_ = group.nodes.new("ShaderNodeVectorMath"), group.nodes.new("ShaderNodeVectorMath")
+    grown.operation, sum_.operation = "MULTIPLY_ADD", "ADD"
+    group.links.new(start.outputs[0], grown.inputs[0])
+    for k, name in ((1, linked.GROWTH), (2, linked.OFFSET)):
+        told = group.nodes.new("ShaderNodeAttribute")
+        told.attribute_type, told.attribute_name, told.location = "OBJECT", name, (-200, -200 * k)
+        group.links.new(told.outputs["Vector"], grown.inputs[k])
+    group.links.new(grown.outputs[0], sum_.inputs[0])
+    group.links.new(start.outputs[0], sum_.inputs[1])
+    group.links.new(sum_.outputs[0], end.inputs[0])
+    for node, x in ((start, -400), (grown, 0), (sum_, 200), (end, 400)):
+        node.location = (x, 0)
+    return group
 
 
 def _group():

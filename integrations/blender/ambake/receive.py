@@ -1,13 +1,12 @@
 """Brings a finished bake back onto the objects it was made from: UV map, images, materials."""
 
-import collections
 import os
 
 import bmesh
 import bpy
 import numpy as np
 
-from . import command, copies, corners, nodes
+from . import command, copies, corners, linked, nodes
 from .exr import Page
 from .glb import Glb
 from .send import forget, shape
@@ -20,8 +19,8 @@ def bring_back(scene, settings, sent, folder, report):
     parts = corners.baked(Glb.read(os.path.join(folder, f"{stem}.glb")))
     images = _images(settings, folder, stem, report)
     notes = list(sent.notes)
-    users = collections.Counter(item.data for item in bpy.data.objects if item.type == "MESH")
     earlier, copied, done = copies.all_of_them(), 0, {}
+    found = []
     for receiver in sent.receivers:
         item = bpy.data.objects.get(receiver.name)
         part = parts.get(receiver.name)
@@ -31,21 +30,31 @@ def bring_back(scene, settings, sent, folder, report):
             forget(receiver)
             continue
         mesh = bpy.data.meshes[receiver.applied] if receiver.applied else item.data
+        found.append((item, mesh, part))
+    taken = set()
+    for group in linked.groups([(mesh, part) for _, mesh, part in found]):
+        items = [found[number][0] for number, _ in group]
+        _, mesh, part = found[group[0][0]]
         unfolded = _unfold(mesh, part)
-        if not receiver.applied and (users[mesh] > 1 or unfolded.cut):
+        applied = mesh != items[0].data
+        # What shows the bake: the mesh itself, or one that holds other polygons or is laid out in another way.
+        if not applied and (unfolded.cut or mesh in taken):
             mesh = mesh.copy()
-        problem, pages = _write(mesh, unfolded, settings.uv_map)
+        taken.add(mesh)
+        problem, pages, first = _write(mesh, unfolded, settings.uv_map)
         if problem:
-            notes.append(f"{item.name} got no lightmap: {problem}")
-            if mesh != item.data:
+            notes += [f"{item.name} got no lightmap: {problem}" for item in items]
+            if mesh != items[0].data:
                 bpy.data.meshes.remove(mesh)
             continue
-        if mesh != item.data:
-            item = copies.make(scene, item, mesh, bool(receiver.applied), earlier.get(item))
-            copied += 1
-        else:
-            copies.remove(item, earlier.get(item))
-        done[item] = pages
+        for item, (_, place) in zip(items, group):
+            if mesh != item.data:
+                item = copies.make(scene, item, mesh, applied, earlier.get(item))
+                copied += 1
+            else:
+                copies.remove(item, earlier.get(item))
+            place.after(first).put(item)
+            done[item] = place.page(pages)
     if copied:
         notes.append(f"{copied} object{'s are' if copied > 1 else ' is'} shown by baked copies in the collection "
                      f"{copies.COLLECTION}; Show Originals goes back")
@@ -106,22 +115,24 @@ def _unfold(mesh, part):
 
 
 def _write(mesh, unfolded, uv_map):
-    """Writes the UV map, cuts polygons that a chart or a page ends inside of, and returns why it could not, or the
-    page of each polygon."""
+    """Writes the UV map, and cuts polygons that a chart or a page ends inside of. Returns why it could not, or None
+    with the page of each polygon and the place of the layout as seen from the UV map."""
     uvs = unfolded.uvs.astype(np.float32)
     layer = mesh.uv_layers.get(uv_map)
     if layer and uv_map not in copies.marked(mesh):
         own = np.empty_like(uvs)
         layer.uv.foreach_get("vector", own.reshape(-1))
-        if unfolded.cut or np.abs(own - uvs).max(initial=0.0) > 1e-4:
-            return f"its own UV map {uv_map} cannot be the layout as it stands; choose another name", None
-        return None, unfolded.pages
+        if not unfolded.cut and np.abs(own - uvs).max(initial=0.0) <= 1e-4:
+            return None, unfolded.pages, linked.Place()
+        place = None if unfolded.cut else linked.fit(own.astype(float), unfolded.uvs, 1e-4)
+        problem = f"its own UV map {uv_map} cannot be the layout as it stands; choose another name"
+        return (None, unfolded.pages, place) if place else (problem, None, None)
     layer = layer or mesh.uv_layers.new(name=uv_map, do_init=False)
     if layer is None:
-        return "it has eight UV maps already, remove one", None
+        return "it has eight UV maps already, remove one", None, None
     copies.mark(mesh, uv_map)
     layer.uv.foreach_set("vector", uvs.reshape(-1))
-    return None, _cut(mesh, unfolded, uv_map) if unfolded.cut else unfolded.pages
+    return None, _cut(mesh, unfolded, uv_map) if unfolded.cut else unfolded.pages, linked.Place()
 
 
 def _cut(mesh, unfolded, uv_map):

@@ -8,6 +8,8 @@ import with_blender  # first: it prints a skip where Blender is absent
 from with_blender import BlenderTest, bpy
 
 import made
+import numpy as np
+from ambake import linked
 
 
 class Copies(BlenderTest):
@@ -38,12 +40,90 @@ class Copies(BlenderTest):
         self.assertIn("ambake", bent.data.uv_layers)
         self.assertEqual(len(bent.modifiers), 1)
 
-    def test_twins_stay_linked(self):
+    def test_twins_stay_linked_and_share_one_layout(self):
+        objects = made.make()
+        first, second = objects["twins"]
+        for _ in range(2):
+            self.bake(layers="position", size=128, rays=4)
+            self.assertIs(first.data, second.data)
+            self.assertEqual([u.name for u in first.data.uv_layers], ["UVMap", "ambake"])
+            for item in objects["twins"]:
+                self.assertIs(self.baked(item), item)
+                self.positions_agree(item, 1.5)
+            # One of the two lies where the map says.
+            self.assertEqual(sorted(linked.GROWTH in item for item in objects["twins"]), [False, True])
+            self.assertEqual({slot.link for item in objects["twins"] for slot in item.material_slots}, {"DATA"})
+
+    def test_a_twin_outside_of_the_bake_goes_on_looking_as_it_did(self):
         first, second = made.make()["twins"]
-        self.bake(rays=4)
+        red = second.material_slots[0].material
+        second.hide_render = True
+        self.bake(layers="position", size=128, rays=4)
+        self.assertIs(self.baked(first), first)
         self.assertIs(first.data, second.data)
-        self.assertNotIn("ambake", first.data.uv_layers)
-        self.assertIsNot(self.baked(first).data, self.baked(second).data)
+        self.positions_agree(first, 1.5)
+        self.assertIs(second.material_slots[0].material, red)
+        self.assertNotIn("ambake", red.node_tree.nodes)
+        self.assertNotEqual(first.material_slots[0].material, red)
+
+    def test_twins_on_several_pages_share_a_mesh_and_have_materials_of_their_own(self):
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+        ball = made.add("ball", "uv_sphere", made.material("stone", (0.5, 0.5, 0.5)), radius=0.4)
+        balls = [ball]
+        for k in range(5):
+            balls.append(bpy.data.objects.new(f"ball {k}", ball.data))
+            balls[-1].location = (k + 1.0, 0.2 * k, 0.0)
+            bpy.context.collection.objects.link(balls[-1])
+        bpy.context.view_layer.update()
+        for _ in range(2):
+            self.bake(layers="position", rays=2, size=64, density=20.0)
+            shown = [self.baked(item) for item in balls]
+            self.assertEqual(len({item.data for item in shown}), 1)
+            pages = {self.page_of(item, item.data.polygons[0]) for item in shown}
+            self.assertGreater(len(pages), 1)
+            for item in shown:
+                self.positions_agree(item, 2.0)
+
+    def test_a_map_of_the_artist_is_the_layout_of_all_that_share_it(self):
+        first, second = made.make()["twins"]
+        own = first.data.uv_layers.new(name="mine")
+        layout = np.array([[0.02, 0.02], [0.3, 0.02], [0.3, 0.3], [0.02, 0.3]])
+        places = np.concatenate([layout + np.array([0.33 * (k % 3), 0.4 * (k // 3)]) for k in range(6)])
+        own.uv.foreach_set("vector", places.astype(np.float32).reshape(-1))
+        second.scale = first.scale
+        for item in list(bpy.data.objects):
+            if item not in (first, second):
+                bpy.data.objects.remove(item)
+        bpy.context.view_layer.update()
+        self.assertEqual(self.bake(uv_map="mine", uv="keep", rays=2, size=128), [])
+        found = [self.places(item, "mine") for item in (first, second)]
+        self.assertGreater(np.abs(found[0] - found[1]).max(), 0.2)
+        own = np.array([u.vector for u in first.data.uv_layers["mine"].uv])
+        np.testing.assert_allclose(own, places, atol=1e-6)
+
+    def test_linked_twins_look_as_objects_of_their_own_do(self):
+        pictures = []
+        for own in (False, True):
+            bpy.ops.wm.read_factory_settings(use_empty=True)
+            made.add("floor", "plane", made.material("grey", (0.5, 0.5, 0.5)), size=4.0)
+            first = made.add("head", "monkey", made.material("red", (0.6, 0.1, 0.1)), size=1.2, location=(-0.8, 0, 0.6))
+            second = bpy.data.objects.new("twin", first.data.copy() if own else first.data)
+            second.location, second.rotation_euler = (0.8, 0.3, 0.6), (0.3, 0.0, 1.0)
+            bpy.context.collection.objects.link(second)
+            # It makes the light of the two different.
+            tube = {"radius": 0.8, "depth": 4.0, "end_fill_type": "NOTHING"}
+            made.add("tube", "cylinder", None, location=second.location, **tube)
+            bpy.context.view_layer.update()
+            self.bake(size=256, rays=64)
+            shown = [self.baked(item) for item in (first, second)]
+            self.assertEqual(shown[0].data == shown[1].data, not own)
+            with_blender.camera_above(4.0)
+            pictures.append(with_blender.render(self.folder + "/view.exr", 4, 96, 0.0)[..., :3])
+        error = np.abs(pictures[0] - pictures[1])
+        halves = [pictures[0][40:56, at : at + 16].mean() for at in (21, 59)]
+        self.assertGreater(halves[0], 1.5 * halves[1])
+        self.assertLess(error.mean(), 0.003)
+        self.assertLess(np.sqrt((error**2).mean()), 0.01)
 
     def test_a_second_bake_is_of_the_originals_and_replaces_the_copies(self):
         made.make()

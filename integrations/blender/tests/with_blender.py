@@ -72,7 +72,7 @@ class BlenderTest(unittest.TestCase):
         """The layer `position` at the middle of every face is that middle, up to so many texels of the face's own
         density."""
         mesh = item.data
-        uvs = np.array([u.vector for u in mesh.uv_layers["ambake"].uv])
+        uvs = self.places(item)
         worst = 0.0
         for polygon in mesh.polygons:
             own = uvs[list(polygon.loop_indices)]
@@ -88,6 +88,14 @@ class BlenderTest(unittest.TestCase):
             there = np.array([found[0], -found[2], found[1]])
             worst = max(worst, np.linalg.norm(there - middle) / (edge / max(span, 1.0)))
         self.assertLess(worst, texels, f"{item.name}: a face is {worst:.2f} texels from where its lightmap says")
+
+    def places(self, item, uv_map="ambake"):
+        """Where the corners of an object lie on its page: its UV map, carried to its own place."""
+        from ambake import linked
+
+        uvs = np.array([u.vector for u in item.data.uv_layers[uv_map].uv])
+        growth, offset = (np.array(item.get(name, (0.0,) * 3))[:2] for name in (linked.GROWTH, linked.OFFSET))
+        return uvs * (1.0 + growth) + offset
 
     def baked(self, item):
         """What shows the bake of an object: it, or its copy."""
