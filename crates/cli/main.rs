@@ -43,6 +43,7 @@ use args::Verb;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
+    report::remove_staged_on_panic();
     let words = match project::with_own_table(args::words()) {
         Ok(words) => words,
         Err(error) => return outcome::exit_code(Err(error)),

@@ -92,7 +92,7 @@ pub use {
     exr_write::{PageHeader, write_page_exr},
     gltf::{Shades, read_gltf, source_gltf, write_gltf},
     origin::check_origin,
-    output::{Folder, Output, copy_files},
+    output::{Folder, Output, copy_files, remove_staged_on_panic},
     page_files::{NamedPage, page_files, read_page},
     picture::{matte_png, picture_png},
     preview::{Encoding, occlusion_png, preview_png},

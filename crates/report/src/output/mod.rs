@@ -7,7 +7,7 @@ mod tests;
 use crate::Error;
 use crate::lock::Lock;
 use crate::regular::{hash_of, hash_own};
-pub use staging::Folder;
+pub use staging::{Folder, remove_staged_on_panic};
 use staging::{Staging, TRIES, temporary};
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Write};

@@ -4,6 +4,7 @@ use crate::lock::Lock;
 use std::fs::{self, File};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 use tempfile::{NamedTempFile, TempDir};
 
 /// How names of such folders begin.
@@ -12,6 +13,26 @@ const STAGING: &str = ".ambake-staged-";
 /// How often a folder is made that other runs take away. Each of those that start or fail at this very moment may do so
 /// once.
 pub(super) const TRIES: usize = 10_000;
+
+/// The folders that this process has made and not removed.
+static STANDING: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// Has a panic remove what this process has staged and not published, after it was told of. For a program that a panic
+/// ends without unwinding: nothing is dropped then.
+pub fn remove_staged_on_panic() {
+    let tell = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        tell(panic);
+        // Where this very thread panicked with the list in hand, the next run sweeps.
+        for folder in STANDING
+            .try_lock()
+            .iter_mut()
+            .flat_map(|list| list.drain(..))
+        {
+            let _ = fs::remove_dir_all(folder);
+        }
+    }));
+}
 
 /// A folder of temporary files inside an output directory, locked for as long as its process lives: one that is there
 /// and not locked, a killed run left.
@@ -28,7 +49,10 @@ impl Staging {
         let folder = tempfile::Builder::new().prefix(STAGING).tempdir_in(dir)?;
         let lock = Lock::of(&File::open(folder.path())?)?;
         match lock {
-            Some(_lock) if folder.path().is_dir() => Ok(Self { folder, _lock }),
+            Some(_lock) if folder.path().is_dir() => {
+                standing().push(folder.path().to_owned());
+                Ok(Self { folder, _lock })
+            }
             _ => Err(ErrorKind::NotFound.into()),
         }
     }
@@ -48,6 +72,16 @@ impl Staging {
             }
         }
     }
+}
+
+impl Drop for Staging {
+    fn drop(&mut self) {
+        standing().retain(|folder| folder != self.folder.path());
+    }
+}
+
+fn standing() -> std::sync::MutexGuard<'static, Vec<PathBuf>> {
+    STANDING.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// The directories that an output made, the innermost first. Those that hold nothing when this is dropped go again: a

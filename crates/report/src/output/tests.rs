@@ -55,6 +55,34 @@ fn a_second_job_is_refused_and_leftovers_of_a_killed_one_go() {
 }
 
 #[test]
+fn a_program_that_panics_takes_what_it_staged_with_it() {
+    const FOLDER: &str = "AMBAKE_TEST_PANICS_IN";
+    const NAME: &str = "output::tests::a_program_that_panics_takes_what_it_staged_with_it";
+    if let Some(dir) = std::env::var_os(FOLDER) {
+        let mut out = Output::create(dir.as_ref()).unwrap();
+        out.stage_bytes("x.png", b"half").unwrap();
+        // As where a panic does not unwind: nothing is dropped.
+        std::mem::forget(out);
+        remove_staged_on_panic();
+        panic!("as asked");
+    }
+    let dir = tempfile::tempdir().unwrap();
+    let mut other = Output::create(dir.path()).unwrap();
+    let program = std::env::current_exe().unwrap();
+    let run = std::process::Command::new(program)
+        .args(["--exact", NAME])
+        .env(FOLDER, dir.path())
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&run.stdout);
+    assert!(!run.status.success() && said.contains("as asked"), "{said}");
+    // What another program stages there stays.
+    other.stage_bytes("y.png", b"whole").unwrap();
+    other.publish().unwrap();
+    assert_eq!(names(dir.path()), ["y.png"]);
+}
+
+#[test]
 fn a_failed_write_leaves_good_output_untouched() {
     let dir = tempfile::tempdir().unwrap();
     fs::write(dir.path().join("x.png"), b"good").unwrap();
