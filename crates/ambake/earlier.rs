@@ -62,6 +62,11 @@ impl Earlier {
         Ok(earlier)
     }
 
+    /// The folder that was named, and whether what is kept is tried.
+    pub fn asked(&self) -> (&Path, bool) {
+        (&self.dir, self.verify)
+    }
+
     /// The earlier layout for this scene, with places for what is new; `None` where it does not serve.
     ///
     /// * `seen`: as [`atlas::layout_seen`] takes it.

@@ -228,7 +228,7 @@ impl Job {
         if !is_made_so {
             return Some("backend");
         }
-        let update = laid.earlier.as_ref().map(|of| (&*of.dir, of.verify));
+        let update = laid.earlier.as_ref().map(Earlier::asked);
         if update != given.update.map(|dir| (dir, given.verify)) {
             return Some("update");
         }

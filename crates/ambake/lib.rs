@@ -101,8 +101,13 @@ mod baked;
 #[cfg(test)]
 mod built_tests;
 mod choices;
+#[cfg(feature = "write")]
 mod differ;
 mod dome;
+#[cfg(feature = "write")]
+mod earlier;
+#[cfg(not(feature = "write"))]
+#[path = "no_earlier.rs"]
 mod earlier;
 mod error;
 mod estimate;
@@ -147,8 +152,10 @@ mod seen;
 mod shard;
 mod shell;
 mod sky;
+#[cfg(feature = "write")]
 mod state;
 mod swallowed;
+#[cfg(feature = "write")]
 mod update;
 mod vertices;
 mod warnings;

@@ -3,6 +3,7 @@
 use crate::baked::{Baked, Page};
 use crate::error::Error;
 use crate::job::Job;
+#[cfg(feature = "write")]
 use crate::update::Tracker;
 use ::bake::{BakedPage, BounceStats, Bounces, KeepGathers};
 use layers::Progress;
@@ -41,6 +42,7 @@ impl Job {
         take: &mut dyn FnMut(BakedPage),
     ) -> Result<(Option<BounceStats>, [f64; 2]), Error> {
         let (baker, adds_light) = (self.baker(), self.options().adds_light());
+        #[cfg(feature = "write")]
         let mut tracker = self
             .earlier()
             .map(|_| self.within(|| Tracker::of(self, &baker)));
@@ -49,6 +51,7 @@ impl Job {
             let clock = Instant::now();
             let page = self.within(|| {
                 let mut page = baker.start(number);
+                #[cfg(feature = "write")]
                 if let Some(tracker) = &mut tracker {
                     let tiles = tracker.keep(&mut page, &|line| progress.note(line));
                     tracker.verify(&page, &tiles)?;

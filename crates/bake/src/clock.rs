@@ -2,16 +2,16 @@
 
 /// A moment in the time of the thread that asks.
 pub(crate) struct ThreadClock(
-    #[cfg(unix)] rustix::time::Timespec,
-    #[cfg(not(unix))] std::time::Instant,
+    #[cfg(all(unix, feature = "thread-clock"))] rustix::time::Timespec,
+    #[cfg(not(all(unix, feature = "thread-clock")))] std::time::Instant,
 );
 
 impl ThreadClock {
     /// Now.
     pub fn now() -> Self {
-        #[cfg(unix)]
+        #[cfg(all(unix, feature = "thread-clock"))]
         let now = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
-        #[cfg(not(unix))]
+        #[cfg(not(all(unix, feature = "thread-clock")))]
         let now = std::time::Instant::now();
         Self(now)
     }
@@ -19,10 +19,10 @@ impl ThreadClock {
     /// Seconds since then, of the same thread; of the wall clock where the system tells no other.
     pub fn seconds(&self) -> f64 {
         let now = Self::now().0;
-        #[cfg(unix)]
+        #[cfg(all(unix, feature = "thread-clock"))]
         let seconds =
             (now.tv_sec - self.0.tv_sec) as f64 + (now.tv_nsec - self.0.tv_nsec) as f64 * 1e-9;
-        #[cfg(not(unix))]
+        #[cfg(not(all(unix, feature = "thread-clock")))]
         let seconds = now.duration_since(self.0).as_secs_f64();
         seconds
     }

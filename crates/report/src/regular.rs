@@ -56,7 +56,7 @@ pub(crate) fn hash_of(file: &mut File) -> io::Result<String> {
 /// waited for, where the system can do so.
 fn open(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
     options.read(true);
-    #[cfg(unix)]
+    #[cfg(all(unix, feature = "write"))]
     {
         use rustix::fs::OFlags;
         use std::os::unix::fs::OpenOptionsExt;

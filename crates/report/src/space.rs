@@ -21,13 +21,13 @@ pub fn check_space(dir: &Path, needed: u64) -> Result<(), Error> {
 }
 
 /// Bytes that the user may still write into `dir`.
-#[cfg(unix)]
+#[cfg(all(unix, feature = "write"))]
 fn free(dir: &Path) -> Option<u64> {
     let about = rustix::fs::statvfs(dir).ok()?;
     about.f_bavail.checked_mul(about.f_frsize)
 }
 
-#[cfg(not(unix))]
+#[cfg(not(all(unix, feature = "write")))]
 fn free(_: &Path) -> Option<u64> {
     None
 }
