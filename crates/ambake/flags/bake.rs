@@ -122,8 +122,7 @@ pub struct Job {
     pub max_rays: u32,
     /// Where the samples of a texel lie: all over the part that charts cover, or at its point nearest to the texel's
     /// centre, to compare with programs that sample centres
-    #[arg(help_heading = "Texels", hide_short_help = true)]
-    #[arg(long, default_value = "texel", value_parser = word::<Footprint>())]
+    #[arg(long, hide = true, default_value = "texel", value_parser = word::<Footprint>())]
     pub footprint: Footprint,
     /// What takes the grain off. `regression` fits the texels of a surface and keeps the plain value where that does
     /// not help, at a small bias that the layer `error` includes; `oidn` is Intel Open Image Denoise where it is

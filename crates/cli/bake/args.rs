@@ -65,8 +65,7 @@ pub struct Runs {
     #[arg(long)]
     pub fresh: bool,
     /// Refuse what has the place of that state and cannot be one, such as a link
-    #[arg(help_heading = "Runs", hide_short_help = true)]
-    #[arg(long, conflicts_with = "fresh")]
+    #[arg(long, hide = true, conflicts_with = "fresh")]
     pub resume: bool,
 }
 
