@@ -10,7 +10,7 @@ use crate::unwrap::Handed;
 use glam::{DMat3, DVec3, Vec3};
 use layers::Progress;
 use rayon::prelude::*;
-use scene::{Mesh, Scene};
+use scene::{Mesh, Scene, around};
 
 /// The instances of each mesh that are included, in order.
 pub(crate) fn users(scene: &Scene, included: &[bool]) -> Vec<Vec<u32>> {
@@ -141,8 +141,8 @@ fn unit(mesh: &Mesh, corners: &[DVec3]) -> Option<Unit> {
             .flatten()
             .map(|&v| corners[v as usize])
     };
-    let low = used().fold(DVec3::INFINITY, DVec3::min);
-    let size = (used().fold(DVec3::NEG_INFINITY, DVec3::max) - low).max_element();
+    let (low, high) = around(used());
+    let size = (high - low).max_element();
     let unit = |p: &DVec3| ((*p - low) / size - 0.5).as_vec3().to_array();
     (size.is_finite() && size > 0.0).then(|| Unit {
         positions: corners.iter().map(unit).collect(),

@@ -3,6 +3,7 @@
 //! Four triangles meet at each edge inside of such a sheet, where an unwrapper sees no surface that goes on. Each layer
 //! by itself is an ordinary one.
 
+use scene::Sets;
 use std::collections::HashMap;
 
 /// The layers of some triangles, as their numbers, ascending: none has two triangles with the same corners, and what
@@ -72,25 +73,17 @@ fn sheets(triangles: &[[u32; 3]]) -> Vec<u32> {
         let mut others = others.filter(|&other| sorted(triangles[other as usize]) != own);
         others.next().filter(|_| others.next().is_none())
     };
-    let mut root: Vec<u32> = (0..triangles.len() as u32).collect();
-    fn find(root: &mut [u32], mut at: u32) -> u32 {
-        while root[at as usize] != at {
-            root[at as usize] = root[root[at as usize] as usize];
-            at = root[at as usize];
-        }
-        at
-    }
+    let mut sets = Sets::new(triangles.len());
     for (number, triangle) in (0..).zip(triangles) {
         for edge @ [a, b] in edges(*triangle) {
             let other = next(number, edge);
             if let Some(other) = other.filter(|&other| next(other, [b, a]) == Some(number)) {
-                let [one, two] = [number, other].map(|at| find(&mut root, at));
-                root[one.max(two) as usize] = one.min(two);
+                sets.join(number, other);
             }
         }
     }
-    (0..root.len() as u32)
-        .map(|at| find(&mut root, at))
+    (0..triangles.len() as u32)
+        .map(|at| sets.root(at))
         .collect()
 }
 

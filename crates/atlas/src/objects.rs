@@ -3,8 +3,7 @@
 use crate::glob::fits;
 use crate::measure::world_area;
 use crate::{Error, Options};
-use glam::DVec3;
-use scene::{Format, Scene};
+use scene::{Format, Scene, around};
 use std::collections::HashMap;
 
 /// What a user takes for one thing: a node of a glTF file (each copy of an instanced one), an object of an OBJ file
@@ -195,16 +194,14 @@ fn mark(
 
 /// Longest edge of the box around some instances in the world.
 pub(crate) fn extent(scene: &Scene, instances: &[u32]) -> f64 {
-    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for &i in instances {
-        let instance = &scene.instances[i as usize];
+    let corners = |&instance: &u32| {
+        let instance = &scene.instances[instance as usize];
         let mesh = &scene.meshes[instance.mesh as usize];
-        for &v in mesh.triangles.iter().flatten() {
-            let at = mesh.positions[v as usize].as_dvec3();
-            let at = instance.transform.transform_point3(at);
-            (low, high) = (low.min(at), high.max(at));
-        }
-    }
+        let vertices = mesh.triangles.iter().flatten();
+        let place = |&v: &u32| mesh.positions[v as usize].as_dvec3();
+        vertices.map(move |v| instance.transform.transform_point3(place(v)))
+    };
+    let (low, high) = around(instances.iter().flat_map(corners));
     (high - low).max_element().max(0.0)
 }
 

@@ -2,10 +2,10 @@
 
 use crate::doubled::layers;
 use crate::flat::{Face, Faces};
-use crate::flatten::{self, Piece, Surface};
+use crate::flatten::{self, Piece, Welded};
 use crate::told::OfMesh;
 use glam::{DVec2, DVec3, Vec3};
-use scene::Mesh;
+use scene::{Mesh, around};
 use std::collections::{BTreeMap, HashMap};
 use std::hash::Hash;
 use uvunwrap::MeshInput;
@@ -56,8 +56,8 @@ impl Part {
     /// Some of its triangles, by their numbers, as a part about 1 in size, and how large its unit is.
     pub fn some(&self, numbers: &[usize]) -> (Self, f64) {
         let corners = || numbers.iter().flat_map(|&number| self.corners(number));
-        let low = corners().fold(DVec3::INFINITY, DVec3::min);
-        let size = (corners().fold(DVec3::NEG_INFINITY, DVec3::max) - low).max_element();
+        let (low, high) = around(corners());
+        let size = (high - low).max_element();
         let mut places = HashMap::new();
         let mut positions = Vec::new();
         let mut indices = Vec::with_capacity(3 * numbers.len());
@@ -102,7 +102,7 @@ impl Part {
         members.into_values().map(face).collect()
     }
 
-    fn of(piece: Piece, surface: &Surface, faces: &[u32]) -> Self {
+    fn of(piece: Piece, surface: &Welded, faces: &[u32]) -> Self {
         let corner = |&c: &u32| surface.corners[c as usize].as_vec3().to_array();
         Self {
             faces: piece.triangles.iter().map(|&t| faces[t as usize]).collect(),
@@ -189,10 +189,10 @@ fn parts_of(mesh: &Mesh, positions: &[[f32; 3]], told: &OfMesh<'_>) -> (Vec<Face
     (faces.loose, parts)
 }
 
-fn surface(mesh: &Mesh, positions: &[[f32; 3]], welded: &[u32]) -> Surface {
+fn surface(mesh: &Mesh, positions: &[[f32; 3]], welded: &[u32]) -> Welded {
     let place = firsts(positions.iter().map(|p| bits(*p)));
     let corners = positions.iter().map(|p| Vec3::from(*p).as_dvec3());
-    Surface::new(corners.collect(), by(mesh, &place), &by(mesh, welded))
+    Welded::new(corners.collect(), by(mesh, &place), &by(mesh, welded))
 }
 
 /// The corners of a mesh's triangles by the numbers of its vertices.

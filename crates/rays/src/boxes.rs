@@ -1,6 +1,7 @@
 //! A tree over boxes that stay where they are: which of them meet a box.
 
 use glam::DVec3;
+use scene::around;
 
 /// Boxes in a leaf.
 const LEAF: usize = 4;
@@ -100,13 +101,6 @@ impl Boxes {
         }
         false
     }
-}
-
-/// The box around points: its lowest and its highest corner, infinite and the wrong way round where there are none.
-pub fn around(points: impl IntoIterator<Item = DVec3>) -> (DVec3, DVec3) {
-    let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    let wider = |(low, high): (DVec3, DVec3), p| (low.min(p), high.max(p));
-    points.into_iter().fold(limits, wider)
 }
 
 fn meets(a: (DVec3, DVec3), b: (DVec3, DVec3)) -> bool {

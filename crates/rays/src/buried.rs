@@ -1,9 +1,9 @@
 //! Whether points of a triangle are buried in bodies.
 
-use crate::boxes::around;
 use crate::solid::{NUDGE, Near};
 use crate::world::World;
 use glam::DVec3;
+use scene::around;
 
 /// Bodies about a triangle that are kept for all of its points; with more, each point looks for its own.
 const FEW: usize = 8;

@@ -77,7 +77,7 @@ pub use alpha_test::AlphaTest;
 pub use backend::{
     Coherence, Lanes, PacketWidth, Ray, RayBackend, RayPacket, Stops, SurfaceHit, TreeKind,
 };
-pub use boxes::{Boxes, around};
+pub use boxes::Boxes;
 pub use build::{BackendKind, build, has_embree};
 pub use buried::Burial;
 pub use embree_backend::EmbreeBackend;
@@ -91,6 +91,7 @@ pub use mix::Mix;
 pub use obvhs_backend::ObvhsBackend;
 pub use part::Part;
 pub use point::{SurfacePoint, Surfaces};
+pub use scene::around;
 pub use solid::{Cover, Covering, Covers, NUDGE, Near, Rim, Solids};
 pub use surface::{Patch, PlaneErrors};
 pub use world::lit::above;

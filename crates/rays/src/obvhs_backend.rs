@@ -6,12 +6,12 @@
 
 use crate::alpha_test::AlphaTest;
 use crate::backend::{Coherence, Ray, RayBackend, RayPacket, Stops, SurfaceHit, TreeKind};
-use crate::boxes::around;
 use crate::coincident::Coincident;
 use crate::tree::Tree;
 use crate::triangle::ShearedRay;
 use crate::world::World;
 use glam::{DAffine3, DVec3};
+use scene::around;
 
 /// obvhs over a world.
 pub struct ObvhsBackend {

@@ -4,9 +4,10 @@
 //! the distance is taken off in 64 bits first. It is a multiple of a power of two no less than half of what
 //! most of the scene spans, so that 32-bit corners that were modelled far away keep their bits' worth.
 
+use crate::around;
 use crate::input::{Input, short};
 use crate::{Format, Instance, Mesh, WarningKind};
-use glam::{DAffine3, DVec3, Vec3};
+use glam::{DAffine3, DVec3};
 
 /// What lies farther from the origin than so many times its size is moved.
 const FAR: f64 = 8.0;
@@ -127,10 +128,7 @@ pub(crate) fn warn(input: &mut Input, format: Format, meshes: &[Mesh], instances
 
 /// The largest absolute coordinate of a placed mesh, at most.
 fn reach(mesh: &Mesh, transform: DAffine3) -> f64 {
-    let start = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-    let join = |(low, high): (Vec3, Vec3), p: &Vec3| (low.min(*p), high.max(*p));
-    let (low, high) = mesh.positions.iter().fold(start, join);
-    let (low, high) = (low.as_dvec3(), high.as_dvec3());
+    let (low, high) = around(mesh.positions.iter().map(|p| p.as_dvec3()));
     let (middle, half) = ((low + high) * 0.5, (high - low) * 0.5);
     let m = transform.matrix3;
     let around = m.x_axis.abs() * half.x + m.y_axis.abs() * half.y + m.z_axis.abs() * half.z;

@@ -26,6 +26,7 @@
 
 mod alpha_blocks;
 pub mod authored;
+mod bounds;
 mod document;
 #[cfg(feature = "files")]
 mod edited;
@@ -55,6 +56,7 @@ mod validate;
 mod warning;
 
 pub use alpha_blocks::AlphaBlocks;
+pub use bounds::around;
 pub use document::{EncodedImage, GltfDocument};
 pub use error::Error;
 #[cfg(feature = "gltf")]

@@ -18,6 +18,7 @@
 //! | built in memory: normals or UVs not one a vertex, material number out of range, texture of another size | error `Authored` |
 //! | normal that is not of unit length | made so, silently |
 
+use crate::around;
 use crate::input::{Input, short};
 use crate::material::tell_scaled;
 use crate::{
@@ -354,11 +355,7 @@ fn instances(input: &mut Input, parts: &mut Parts) -> Result<(), Error> {
 }
 
 fn box_of(positions: &[Vec3]) -> (DVec3, DVec3) {
-    let start = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-    let (low, high) = positions
-        .iter()
-        .fold(start, |(low, high), &p| (low.min(p), high.max(p)));
-    (low.as_dvec3(), high.as_dvec3())
+    around(positions.iter().map(|p| p.as_dvec3()))
 }
 
 /// Notes materials in use that let all light through: some writers of OBJ mean the opposite by `Tr 1`.

@@ -1,10 +1,10 @@
 //! Convex hulls of points in a plane, and the narrowest boxes about them.
 
-use crate::flatten::Surface;
+use crate::flatten::Welded;
 use glam::{DVec2, DVec3};
 
 /// The convex hull of points in the plane of a triangle, and the area of the narrowest box about it.
-pub(super) fn hull_in(surface: &Surface, plane: u32, points: Vec<DVec3>) -> (Vec<DVec3>, f64) {
+pub(super) fn hull_in(surface: &Welded, plane: u32, points: Vec<DVec3>) -> (Vec<DVec3>, f64) {
     let normal = surface.normals[plane as usize];
     let (u, v) = normal.any_orthonormal_pair();
     let flat = points.iter().map(|p| DVec2::new(p.dot(u), p.dot(v)));

@@ -10,7 +10,7 @@ mod planes;
 #[cfg(test)]
 mod tests;
 
-use crate::flatten::{NONE, Surface, overlap};
+use crate::flatten::{NONE, Welded, overlap};
 use glam::{DVec2, DVec3};
 use hull::{hull, hull_in, narrowest};
 use planes::{Junction, junctions, planes};
@@ -47,7 +47,7 @@ pub(crate) struct Face {
 
 impl Faces {
     /// The faces of a surface about 1 in size.
-    pub fn of(surface: &Surface) -> Self {
+    pub fn of(surface: &Welded) -> Self {
         let mut of = planes(surface);
         let junctions = junctions(surface, &of);
         let mut members: HashMap<u32, Vec<u32>> = HashMap::new();
@@ -83,7 +83,7 @@ impl Faces {
 }
 
 /// Makes a face of each triangle of a plane that leaves most of its box empty.
-fn part_sparse(surface: &Surface, of: &mut [u32]) {
+fn part_sparse(surface: &Welded, of: &mut [u32]) {
     let mut members: HashMap<u32, Vec<u32>> = HashMap::new();
     for (t, &face) in of.iter().enumerate() {
         members.entry(face).or_default().push(t as u32);
@@ -139,7 +139,7 @@ fn together(planes: &[u32], of: &[u32], junctions: Vec<Junction>) -> Vec<Group> 
 
 /// The planes of a surface that have junctions.
 struct Planes<'a> {
-    surface: &'a Surface,
+    surface: &'a Welded,
     /// The plane of each triangle.
     of: &'a [u32],
     members: HashMap<u32, Vec<u32>>,
@@ -250,7 +250,7 @@ impl Face {
     /// Triangles laid flat; else the planes that have to stand back: those that bend too far from the whole, or the
     /// smaller of two that cover a place twice.
     fn new(
-        surface: &Surface,
+        surface: &Welded,
         planes: &[u32],
         triangles: Vec<u32>,
         junctions: &[Junction],

@@ -1,8 +1,9 @@
 //! The planes of a mesh, and the junctions where they meet in other ways than by edges of two triangles.
 
-use crate::flatten::{NONE, Surface};
+use crate::flatten::{NONE, Welded};
 use glam::DVec3;
 use rayon::prelude::*;
+use scene::around;
 
 /// Cosine of the largest angle between normals of one plane: a quarter of a degree.
 const ONE_PLANE: f64 = 1.0 - 1e-5;
@@ -13,7 +14,7 @@ const NORMALS: f64 = 1e3;
 const PLACES: f64 = 1e4;
 
 /// For each triangle the largest of those that lie in its plane and hang together with it by edges of two triangles.
-pub(super) fn planes(surface: &Surface) -> Vec<u32> {
+pub(super) fn planes(surface: &Welded) -> Vec<u32> {
     let mut seeds: Vec<u32> = (0..surface.triangles.len() as u32).collect();
     seeds.par_sort_unstable_by(|&a, &b| {
         let areas = surface.areas[b as usize].total_cmp(&surface.areas[a as usize]);
@@ -74,7 +75,7 @@ struct Border {
 }
 
 /// Where planes meet in other ways than by edges of two triangles.
-pub(super) fn junctions(surface: &Surface, planes: &[u32]) -> Vec<Junction> {
+pub(super) fn junctions(surface: &Welded, planes: &[u32]) -> Vec<Junction> {
     let mut sizes = vec![0u32; planes.len()];
     planes.iter().for_each(|&plane| sizes[plane as usize] += 1);
     let borders = |t: usize| {
@@ -133,9 +134,8 @@ pub(super) fn junctions(surface: &Surface, planes: &[u32]) -> Vec<Junction> {
 }
 
 /// The junctions of some borders.
-fn meeting(surface: &Surface, mut borders: Vec<Border>) -> Vec<Junction> {
-    let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    let (low, high) = (borders.iter()).fold(limits, |(l, h), b| (l.min(b.low), h.max(b.high)));
+fn meeting(surface: &Welded, mut borders: Vec<Border>) -> Vec<Junction> {
+    let (low, high) = around(borders.iter().flat_map(|border| [border.low, border.high]));
     let axis = (high - low).max_position();
     borders.sort_unstable_by(|a, b| {
         let order = a.low[axis].total_cmp(&b.low[axis]);
@@ -154,7 +154,7 @@ fn meeting(surface: &Surface, mut borders: Vec<Border>) -> Vec<Junction> {
     found
 }
 
-fn junction(surface: &Surface, pair: [&Border; 2]) -> Option<Junction> {
+fn junction(surface: &Welded, pair: [&Border; 2]) -> Option<Junction> {
     let place = |corner: u32| surface.corners[corner as usize];
     let length = |border: &Border| place(border.ends[0]).distance(place(border.ends[1]));
     let [long, short] = match length(pair[0]) < length(pair[1]) {

@@ -4,7 +4,7 @@ use super::*;
 
 /// Upright quads of a wall over z = 0 from their lowest to their highest corners, turned in space and about 1 in
 /// size.
-fn wall(quads: &[[f64; 4]]) -> Surface {
+fn wall(quads: &[[f64; 4]]) -> Welded {
     let turn = glam::DQuat::from_axis_angle(DVec3::new(0.2, 0.3, 1.0).normalize(), 0.31);
     let mut corners: Vec<DVec3> = Vec::new();
     let mut number = |x: f64, y: f64| {
@@ -22,11 +22,11 @@ fn wall(quads: &[[f64; 4]]) -> Surface {
         let [c, d] = [number(x1, y1), number(x0, y1)];
         triangles.extend([[a, b, c], [a, c, d]]);
     }
-    Surface::new(corners, triangles.clone(), &triangles)
+    Welded::new(corners, triangles.clone(), &triangles)
 }
 
 /// Triangles of each loose face, after a look at the lengths of their edges.
-fn loose(surface: &Surface) -> Vec<Vec<u32>> {
+fn loose(surface: &Welded) -> Vec<Vec<u32>> {
     let faces = Faces::of(surface);
     for face in &faces.loose {
         for (&t, places) in face.triangles.iter().zip(&face.places) {
@@ -71,7 +71,7 @@ fn quads_that_share_an_edge_with_two_more_are_one_face() {
     surface.corners.extend(below);
     let mut triangles = surface.triangles;
     triangles.extend([[ends[1], ends[0], first], [ends[0], ends[1], first + 1]]);
-    let surface = Surface::new(surface.corners, triangles.clone(), &triangles);
+    let surface = Welded::new(surface.corners, triangles.clone(), &triangles);
     assert_eq!(loose(&surface), [Vec::from_iter(0..4)]);
 }
 

@@ -9,7 +9,7 @@ mod rigid;
 
 use crate::told::OfMesh;
 use glam::{DVec2, DVec3};
-pub(crate) use pieces::{NONE, Surface};
+pub(crate) use pieces::{NONE, Welded};
 use rayon::prelude::*;
 use std::collections::{HashMap, VecDeque};
 
@@ -47,7 +47,7 @@ pub(crate) fn overlaps(triangles: &[[u32; 3]], flat: &[[f32; 2]]) -> bool {
 /// * `faces`: the flat face of each triangle; no piece ends inside of one.
 /// * `left`: the triangles that pieces may have.
 pub(crate) fn flatten(
-    surface: &Surface,
+    surface: &Welded,
     faces: &[u32],
     left: &[bool],
     told: &OfMesh<'_>,
@@ -83,7 +83,7 @@ pub(crate) fn flatten(
 
 impl Piece {
     /// The piece laid flat without the few triangles that spoil it, or its halves where it cannot be.
-    fn new(surface: &Surface, faces: &[u32], triangles: Vec<u32>) -> Result<Self, [Vec<u32>; 2]> {
+    fn new(surface: &Welded, faces: &[u32], triangles: Vec<u32>) -> Result<Self, [Vec<u32>; 2]> {
         let mut piece = Self::seen_along_its_normal(surface, triangles);
         let areas = |piece: &Self, t: usize| {
             let [a, b, c] = piece.places(t);
@@ -127,7 +127,7 @@ impl Piece {
         Ok(piece)
     }
 
-    fn seen_along_its_normal(surface: &Surface, triangles: Vec<u32>) -> Self {
+    fn seen_along_its_normal(surface: &Welded, triangles: Vec<u32>) -> Self {
         let weighted = |&t: &u32| surface.normals[t as usize] * surface.areas[t as usize];
         let axis = triangles.iter().map(weighted).sum::<DVec3>();
         let (u, v) = axis
@@ -180,7 +180,7 @@ impl Piece {
 /// A piece cut in two: what is nearer to one of two triangles than to the other. Without a pair they are far apart. A
 /// flat face goes where its first triangle goes, unless it is all that there is.
 fn halves(
-    surface: &Surface,
+    surface: &Welded,
     faces: &[u32],
     triangles: &[u32],
     pair: Option<[u32; 2]>,

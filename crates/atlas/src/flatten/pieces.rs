@@ -26,7 +26,7 @@ const BENDING: f64 = 4.0;
 const FILLING: f64 = 6.0;
 
 /// A mesh whose corners at one place are one.
-pub(crate) struct Surface {
+pub(crate) struct Welded {
     pub corners: Vec<DVec3>,
     pub triangles: Vec<[u32; 3]>,
     /// Across the edge from each corner to the next, or [`NONE`] at borders.
@@ -36,7 +36,7 @@ pub(crate) struct Surface {
     pub areas: Vec<f64>,
 }
 
-impl Surface {
+impl Welded {
     /// `shading` tells corners apart that the file parts at one place, as hard edges do.
     pub fn new(corners: Vec<DVec3>, triangles: Vec<[u32; 3]>, shading: &[[u32; 3]]) -> Self {
         let cross: Vec<DVec3> = triangles
@@ -184,7 +184,7 @@ struct Link {
 }
 
 impl Units {
-    fn new(surface: &Surface, faces: &[u32], left: &[bool]) -> Self {
+    fn new(surface: &Welded, faces: &[u32], left: &[bool]) -> Self {
         let smoothed = surface.smoothed();
         let mut number_of = vec![NONE; faces.len()];
         let mut of = vec![NONE; faces.len()];
@@ -390,7 +390,7 @@ mod tests {
         let mut corners = flat.map(|[x, y]| DVec3::new(x, y, 0.0)).to_vec();
         corners.push(DVec3::new(0.0, 1.8, 0.6));
         let triangles = vec![[0, 1, 2], [0, 2, 3], [3, 2, 4]];
-        let surface = Surface::new(corners, triangles.clone(), &triangles);
+        let surface = Welded::new(corners, triangles.clone(), &triangles);
         let mut units = Units::new(&surface, &[0, 1, 2], &[true; 3]);
         units.normals = vec![DVec3::Z; 3];
         let cost = |members: &[usize]| {

@@ -3,7 +3,7 @@ use crate::told::Told;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// A grid of `n` by `m` squares over the unit square, each cut in two.
-fn grid(n: u32, m: u32, at: impl Fn(f64, f64) -> DVec3) -> Surface {
+fn grid(n: u32, m: u32, at: impl Fn(f64, f64) -> DVec3) -> Welded {
     let corners = (0..=n)
         .flat_map(|i| {
             (0..=m).map(move |j| [f64::from(i) / f64::from(n), f64::from(j) / f64::from(m)])
@@ -17,10 +17,10 @@ fn grid(n: u32, m: u32, at: impl Fn(f64, f64) -> DVec3) -> Surface {
     let triangles: Vec<[u32; 3]> = (0..n)
         .flat_map(|i| (0..m).flat_map(move |j| square(i, j)))
         .collect();
-    Surface::new(corners, triangles.clone(), &triangles)
+    Welded::new(corners, triangles.clone(), &triangles)
 }
 
-fn flat(surface: &Surface) -> Vec<Piece> {
+fn flat(surface: &Welded) -> Vec<Piece> {
     let count = surface.triangles.len();
     let each: Vec<u32> = (0..count as u32).collect();
     let told = Told::new(&(), count);
@@ -28,7 +28,7 @@ fn flat(surface: &Surface) -> Vec<Piece> {
 }
 
 /// Lengths of all edges in the plane over those in space, at one scale for the piece.
-fn stretches(surface: &Surface, piece: &Piece) -> Vec<f64> {
+fn stretches(surface: &Welded, piece: &Piece) -> Vec<f64> {
     let edges = |t: usize| {
         let (flat, corners) = (
             piece.places(t),
@@ -45,7 +45,7 @@ fn stretches(surface: &Surface, piece: &Piece) -> Vec<f64> {
     all.iter().map(|e| scale * e[0] / e[1]).collect()
 }
 
-fn check(surface: &Surface, pieces: &[Piece]) {
+fn check(surface: &Welded, pieces: &[Piece]) {
     let mut seen = vec![false; surface.triangles.len()];
     for piece in pieces {
         for (t, &of) in piece.triangles.iter().enumerate() {
@@ -139,11 +139,11 @@ fn folds_and_hard_edges_are_borders() {
         t.map(|c| c + if beyond { 1_000_000 } else { 0 })
     };
     let shading: Vec<[u32; 3]> = surface.triangles.iter().map(|t| apart(t, 1.5)).collect();
-    let parted = Surface::new(surface.corners.clone(), surface.triangles.clone(), &shading);
+    let parted = Welded::new(surface.corners.clone(), surface.triangles.clone(), &shading);
     assert_eq!(flat(&parted).len(), 2);
     // Parted normals on a flat part are the file's habit, no edge.
     let shading: Vec<[u32; 3]> = surface.triangles.iter().map(|t| apart(t, 0.6)).collect();
-    let other = Surface::new(surface.corners.clone(), surface.triangles.clone(), &shading);
+    let other = Welded::new(surface.corners.clone(), surface.triangles.clone(), &shading);
     assert_eq!(flat(&other).len(), 1);
     // A gable of 130 degrees is folded.
     let steep = |u: f64, v: f64| DVec3::new(u, 0.4 * v, -2.2 * (u - 0.5).abs());
