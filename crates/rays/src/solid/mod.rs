@@ -41,6 +41,7 @@ mod shut;
 mod spread;
 mod topology;
 mod tree;
+mod weld;
 mod wound;
 
 use crate::boxes::Boxes;

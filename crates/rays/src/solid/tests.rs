@@ -4,6 +4,7 @@ mod blinds;
 mod cliffs;
 mod grounds;
 mod rooms;
+mod tiles;
 mod uneven;
 mod wounds;
 
