@@ -88,7 +88,8 @@ impl Earlier {
         let claims = &head.facts.claims;
         let kept = atlas::reuse(&head.atlas, claims, &scene.0, &now, &options, seen);
         if kept.is_none() {
-            let reason = "an object is new or has another shape and no place among the others, so the texels were laid out anew";
+            let reason = "an object is new or has another shape and no place among the others, so the texels were \
+                laid out anew";
             self.reason = Some(reason.into());
         }
         kept

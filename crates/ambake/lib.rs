@@ -47,8 +47,8 @@
 //! * [`Progress`]: how a bake tells how far it is, and is told to stop; `()` is a silent one.
 //! * [`Job`]: a bake that is planned, laid out and ready, for programs that want to look before they start.
 //! * [`rays`]: the trait of ray backends, to bring one of your own ([`Bake::with_backend`]).
-//! * [`atlas`], [`baker`], [`loaded`], [`render`], [`report`], [`glam`], [`rayon`], [`serde_json`]: what the types above
-//!   are made of, so that every type in a signature has a name here and its version is the library's.
+//! * [`atlas`], [`baker`], [`loaded`], [`render`], [`report`], [`glam`], [`rayon`], [`serde_json`]: what the types
+//!   above are made of, so that every type in a signature has a name here and its version is the library's.
 //!
 //! ```
 //! use ambake::{Job, Scene, atlas, baker, loaded, rays, report};
@@ -66,8 +66,8 @@
 //! # Features
 //!
 //! The default is the program, with everything. With `default-features = false` the library bakes scenes made in memory
-//! with obvhs. `embree` adds Embree, `obj`, `gltf`, `draco` and `meshopt` add [`load`], `sky` adds [`Sky::load`], `write`
-//! all that becomes a file, and `report` the page `report.html`. `docs/library.md` has the table.
+//! with obvhs. `embree` adds Embree, `obj`, `gltf`, `draco` and `meshopt` add [`load`], `sky` adds [`Sky::load`],
+//! `write` all that becomes a file, and `report` the page `report.html`. `docs/library.md` has the table.
 //!
 //! Directions point away from surfaces, colours are linear, angles are radians, and lengths are in scene units. The
 //! stored terms are 1 for an open texel under a sky of radiance 1.

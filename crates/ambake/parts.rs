@@ -105,7 +105,8 @@ impl Kind {
             (Some(set), None) => set,
             (None, _) => {
                 return Err(fail(
-                    "no part of a sharded bake is here; `ambake bake SCENE -o DIR --shard I/N` makes them, as `ambake probes` does".into(),
+                    "no part of a sharded bake is here; `ambake bake SCENE -o DIR --shard I/N` makes them, as `ambake \
+                     probes` does".into(),
                 ));
             }
             (Some((a, n)), Some((b, m))) => {

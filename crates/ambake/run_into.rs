@@ -74,8 +74,8 @@ impl Job {
         }
     }
 
-    /// Bakes into a directory; pages are handed on in their order, each once it is written. Comes back with the seconds of
-    /// pages and of the light that was added.
+    /// Bakes into a directory; pages are handed on in their order, each once it is written. Comes back with the seconds
+    /// of pages and of the light that was added.
     fn run_taking(
         &self,
         dir: &Path,

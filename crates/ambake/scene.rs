@@ -25,9 +25,9 @@ impl Scene {
         Ok(Self(Arc::new(scene)))
     }
 
-    /// As [`Scene::from_meshes`], with each mesh placed as often as `placements` say: each placement becomes one object.
-    /// Objects of one mesh share its triangles, its ray tree and the shape of its layout, and have a rectangle of
-    /// texels each.
+    /// As [`Scene::from_meshes`], with each mesh placed as often as `placements` say: each placement becomes one
+    /// object. Objects of one mesh share its triangles, its ray tree and the shape of its layout, and have a rectangle
+    /// of texels each.
     ///
     /// # Errors
     /// As [`Scene::from_meshes`]; a placement's mesh number is out of range.

@@ -52,8 +52,8 @@ impl Baked {
     /// layer was not asked for.
     ///
     /// Values are those of area-weighted least squares over the texels. Vertices with the same place and the same
-    /// normal have the same value; hard edges, where normals differ, keep two, and each vertex of a mesh without normals
-    /// has its own. A mesh whose vertices are farther apart than shadows are wide cannot show them.
+    /// normal have the same value; hard edges, where normals differ, keep two, and each vertex of a mesh without
+    /// normals has its own. A mesh whose vertices are farther apart than shadows are wide cannot show them.
     ///
     /// ```
     /// # fn main() -> Result<(), ambake::Error> {

@@ -122,8 +122,9 @@ impl Job {
             place: "scene".into(),
             count: 1,
             message: format!(
-                "`--albedo` and `--specular` together reflect {} times the light that arrives, and no surface reflects more than all of it; lower \
-                 one of them, or take `--model ggx`, which gives the highlight's share to it alone",
+                "`--albedo` and `--specular` together reflect {} times the light that arrives, and no surface \
+                 reflects more than all of it; lower one of them, or take `--model ggx`, which gives the highlight's \
+                 share to it alone",
                 (100.0 * most).round() / 100.0
             ),
         })
@@ -139,8 +140,8 @@ impl Job {
             kind: "touching-charts".into(),
             place: format!("object `{}`", self.scene().instances[instance as usize].name),
             count: texels,
-            message: "texels of the file's coordinates stand beside those of other surfaces without a gutter, so that look-ups mix both; give the charts \
-                      two empty texels between them, or let `--uv unwrap` make others"
+            message: "texels of the file's coordinates stand beside those of other surfaces without a gutter, so that \
+                      look-ups mix both; give the charts two empty texels between them, or let `--uv unwrap` make others"
                 .into(),
         })
     }
@@ -159,8 +160,8 @@ impl Job {
             place: "scene".into(),
             count: (share * self.atlas().audit.texels as f64) as u64,
             message: format!(
-                "{:.0} % of the texels lie on outsides of rooms, which nobody within sees; `--seen-from auto` gives each of their charts one \
-                 texel, and theirs to what is seen",
+                "{:.0} % of the texels lie on outsides of rooms, which nobody within sees; `--seen-from auto` gives \
+                 each of their charts one texel, and theirs to what is seen",
                 100.0 * share
             ),
         })
@@ -281,8 +282,9 @@ impl Job {
             kind: "dark-lamps".into(),
             place: named("material", &first.name, lit.len()),
             count: lit.len() as u64,
-            message: "surfaces that shine (`Ke`, emissiveFactor) send out no light where none bounces; `--bounces 1` bakes what they send, \
-                      `--bounces auto` also what others send on, and `--lights none` says that they should stay dark"
+            message: "surfaces that shine (`Ke`, emissiveFactor) send out no light where none bounces; `--bounces 1` \
+                      bakes what they send, `--bounces auto` also what others send on, and `--lights none` says that \
+                      they should stay dark"
                 .into(),
         })
     }

@@ -57,7 +57,8 @@ words! {
         "scene" = Scene,
     }
     Shading {
-        "production" = Production "What its mirror image in the facet's plane sees: convex bodies do not darken themselves",
+        "production" = Production "What its mirror image in the facet's plane sees: convex bodies do not darken \
+         themselves",
         "exact" = Exact "Nothing: the facet hides it",
     }
     Up {

@@ -85,8 +85,8 @@ fn end(size: usize) -> ! {
     let mut rest = &mut line[..most];
     let _ = write!(
         rest,
-        "ambake: {name}{colon}the system refuses {size} more bytes of memory; raise its limit or take a smaller `--size`; the same command \
-         goes on from what was saved"
+        "ambake: {name}{colon}the system refuses {size} more bytes of memory; raise its limit or take a smaller \
+         `--size`; the same command goes on from what was saved"
     );
     let unused = rest.len();
     tell(&line[..=most - unused]);

@@ -227,7 +227,8 @@ fn tables<'a>(table: &'a Table, scene: &str) -> anyhow::Result<Tables<'a>> {
             }
             "scene" | "object" => {}
             other => bail!(
-                "unknown table [{other}]; there are [bake], [{}], [{GROUP}.VERB], [scene.\"FILE\"] and [object.\"NAME\"]",
+                "unknown table [{other}]; there are [bake], [{}], [{GROUP}.VERB], [scene.\"FILE\"] and \
+                 [object.\"NAME\"]",
                 [OWN, OF_FOLDERS].concat().join("], [")
             ),
         }
@@ -397,7 +398,8 @@ fn object_flags(name: &str, wishes: &Value) -> anyhow::Result<Vec<String>> {
             ("cast", Value::Boolean(false)) => flags.push(format!("--no-cast={name}")),
             ("include" | "exclude", Value::Boolean(false)) | ("cast", Value::Boolean(true)) => {}
             _ => bail!(
-                "`{key} = {value}` in {place}; there are density = NUMBER, include = true, exclude = true, cast = false and buried = \"keep\" or \"drop\""
+                "`{key} = {value}` in {place}; there are density = NUMBER, include = true, exclude = true, cast = \
+                 false and buried = \"keep\" or \"drop\""
             ),
         }
     }

@@ -97,7 +97,8 @@ fn find() -> Result<Embree, String> {
         }
     }
     Err(format!(
-        "Embree is not installed (no embree4 or embree3 headers in {} with their library in {}): apt install libembree-dev",
+        "Embree is not installed (no embree4 or embree3 headers in {} with their library in {}): apt install \
+         libembree-dev",
         list(&include_dirs),
         list(&lib_dirs),
     ))

@@ -97,8 +97,8 @@ impl Bake {
         /// Page edge in texels, 1..=16384; 1024 by default.
         size(texels: u32);
 
-        /// Texels per scene unit of every object, above 0; pages are added as needed. By default the texels of one page are
-        /// shared by a rule that no large plane can ruin.
+        /// Texels per scene unit of every object, above 0; pages are added as needed. By default the texels of one page
+        /// are shared by a rule that no large plane can ruin.
         density(texels_per_unit: f64) Some;
 
         /// How many pages there are: by default one, and more where a density needs them or the charts do not fit.
@@ -125,8 +125,8 @@ impl Bake {
         /// How integrated terms are denoised; by regression by default, but for one ray a texel.
         denoise(denoise: Denoise) Some;
 
-        /// Between which charts a bilinear look-up is made to agree across the edge that they share; those of any objects
-        /// by default.
+        /// Between which charts a bilinear look-up is made to agree across the edge that they share; those of any
+        /// objects by default.
         seams(seams: Seams);
 
         /// Where the eye of the specular term stands: by default on every texel's normal.
@@ -139,9 +139,9 @@ impl Bake {
         /// default.
         shading(shading: Shading);
 
-        /// A thin layer at most so many scene units above a surface (paper on a desk, a decal, a rug) takes no light from
-        /// it, so that no dark line is seen around it; 0 for none. By default an eighth of a texel. It fades out up to
-        /// twice as far.
+        /// A thin layer at most so many scene units above a surface (paper on a desk, a decal, a rug) takes no light
+        /// from it, so that no dark line is seen around it; 0 for none. By default an eighth of a texel. It fades out
+        /// up to twice as far.
         under(distance: f64) Some;
 
         /// Occluders farther than this many scene units do not count; by default there is no limit.
@@ -151,16 +151,16 @@ impl Bake {
         /// does the first picture. Coordinates and directions stay the scene's.
         up(up: Up);
 
-        /// What the highlight is: the paper's Phong lobe, or GGX, whose layer then stands in place of [`Layer::Phong`]. By
-        /// default GGX for glTF and for metallic-roughness materials in memory, and Phong for other scenes, unless layers
-        /// or an exponent ask for one of them ([`Options::model`]).
+        /// What the highlight is: the paper's Phong lobe, or GGX, whose layer then stands in place of [`Layer::Phong`].
+        /// By default GGX for glTF and for metallic-roughness materials in memory, and Phong for other scenes, unless
+        /// layers or an exponent ask for one of them ([`Options::model`]).
         model(model: Model) Some;
 
         /// How often surfaces send on the light that they receive; never by default.
         bounces(bounces: Bounces);
 
-        /// Whether the lights of the scene's file are baked (glTF `KHR_lights_punctual`): lux and candela count as W·m⁻²
-        /// and W·sr⁻¹.
+        /// Whether the lights of the scene's file are baked (glTF `KHR_lights_punctual`): lux and candela count as
+        /// W·m⁻² and W·sr⁻¹.
         file_lights(on: bool) Some;
 
         /// Whether normal maps of materials bend the shading normals; not by default.
@@ -169,8 +169,8 @@ impl Bake {
         /// Lobe exponent of every material, 0..=1e6.
         exponent(exponent: f64) Some;
 
-        /// k_a, by which the layer `traditional` reflects ambient light; the albedo by default. Each channel of a colour is
-        /// from 0 to 1e6.
+        /// k_a, by which the layer `traditional` reflects ambient light; the albedo by default. Each channel of a
+        /// colour is from 0 to 1e6.
         ambient_coefficient(coefficient: AmbientCoefficient);
 
         /// Diffuse reflectance of every material, linear RGB, each channel 0 or above.
@@ -179,8 +179,8 @@ impl Bake {
         /// Specular reflectance of every material, linear RGB, each channel 0 or above.
         specular(rgb: [f32; 3]) Some;
 
-        /// Seed of the sample points; 0 by default. The same scene, options and seed give the same bytes at any number of
-        /// threads.
+        /// Seed of the sample points; 0 by default. The same scene, options and seed give the same bytes at any number
+        /// of threads.
         seed(seed: u64);
 
         /// Makes lightmaps and occlusion of the engines that read such in blocks of 4 x 4 texels: BC6H, in place of

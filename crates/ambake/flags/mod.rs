@@ -1,8 +1,8 @@
-//! The flags of `ambake bake` and `ambake probes`: the one table from which the command line, `ambake.toml`, the keyword
-//! arguments of Python and the table of docs/flags.md are read.
+//! The flags of `ambake bake` and `ambake probes`: the one table from which the command line, `ambake.toml`, the
+//! keyword arguments of Python and the table of docs/flags.md are read.
 //!
-//! A new option is a field of [`bake::Job`] with its line in [`bake::Job::bake`], and one of [`crate::Options`] with its
-//! setter. `crates/cli/tables.rs` writes what the documents and Python's stubs say of it.
+//! A new option is a field of [`bake::Job`] with its line in [`bake::Job::bake`], and one of [`crate::Options`] with
+//! its setter. `crates/cli/tables.rs` writes what the documents and Python's stubs say of it.
 
 pub mod bake;
 pub mod common;

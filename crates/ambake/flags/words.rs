@@ -25,7 +25,8 @@ words! {
         "seed" = Seed "1/4π",
     }
     PointForm {
-        "radiance" = Radiance "E over distance² over the texel's solid angle: what it lights does not depend on the size of the map",
+        "radiance" = Radiance "E over distance² over the texel's solid angle: what it lights does not depend on the \
+         size of the map",
         "raw" = Raw "E over distance², as the 1984 text says",
     }
     Shown {

@@ -107,8 +107,9 @@ impl Default for ProbeOptions {
 }
 
 /// What the coefficients of a report are.
-const CONVENTION: &str = "radiance that arrives, linear RGB, in the axes of the scene's file; real harmonics, orthonormal over the sphere, by l, then m from \
-                          -l to l: 1; y, z, x; xy, yz, 3z²-1, xz, x²-y²; y(3x²-y²), xyz, y(5z²-1), z(5z²-3), x(5z²-1), z(x²-y²), x(x²-3y²)";
+const CONVENTION: &str = "radiance that arrives, linear RGB, in the axes of the scene's file; real harmonics, \
+                          orthonormal over the sphere, by l, then m from -l to l: 1; y, z, x; xy, yz, 3z²-1, xz, \
+                          x²-y²; y(3x²-y²), xyz, y(5z²-1), z(5z²-3), x(5z²-1), z(x²-y²), x(x²-3y²)";
 
 /// Most probes of a scene.
 const MOST_PROBES: u64 = 1 << 20;

@@ -8,8 +8,8 @@ use crate::uv::twice_area;
 use glam::DVec2;
 use std::ops::Range;
 
-/// Triangles that a whole texel holds at most. A point is looked for among all of them, and among pieces by halves: from
-/// a few dozen on these take less time.
+/// Triangles that a whole texel holds at most. A point is looked for among all of them, and among pieces by halves:
+/// from a few dozen on these take less time.
 pub const MOST_HELD: usize = 24;
 
 /// Triangles of a tile from which on its texels are not asked: most would hold too many.

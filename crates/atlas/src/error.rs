@@ -28,8 +28,8 @@ pub enum Error {
     },
     /// The scene places no triangles.
     #[error(
-        "the scene places no triangles that take texels: there is nothing to lay out; `--exclude`, or `bake = false` in \
-         extras.ambake, leaves objects out"
+        "the scene places no triangles that take texels: there is nothing to lay out; `--exclude`, or `bake = false` \
+         in extras.ambake, leaves objects out"
     )]
     Empty,
     /// `--uv keep` on a set that is no lightmap set.

@@ -79,7 +79,8 @@ pub fn layout_seen(
                         match unwrap(scene, &objects, options, meshes, seen, progress) {
                             Ok(mut apart) => {
                                 notes.push(format!(
-                                    "charts of TEXCOORD_{set} stand side by side without a gutter: they are packed apart, each in its own shape"
+                                    "charts of TEXCOORD_{set} stand side by side without a gutter: they are packed \
+                                     apart, each in its own shape"
                                 ));
                                 apart.source = UvSource::Apart { set };
                                 apart.notes = notes;

@@ -92,10 +92,10 @@ pub fn csv(rows: &[Row]) -> String {
 /// A table of the rows, with what was measured and what was scaled.
 pub fn markdown(rows: &[Row]) -> String {
     let mut text = String::from(
-        "Wall seconds: the convolution's are the median of the repeats and of the whole result. The plain double sum is timed once, on \
-         some texels of the result (`timed`), and scaled to all of them, so the ratio has no spread and is given to two digits. \
-         Differences are the largest on those texels, over the largest value of the result. `all of them`: the convolutions share one \
-         analysis of the map, the double sums are added up.\n\n\
+        "Wall seconds: the convolution's are the median of the repeats and of the whole result. The plain double sum \
+         is timed once, on some texels of the result (`timed`), and scaled to all of them, so the ratio has no spread \
+         and is given to two digits. Differences are the largest on those texels, over the largest value of the \
+         result. `all of them`: the convolutions share one analysis of the map, the double sums are added up.\n\n\
          | map | kernel, size of the result | convolution, s | plain double sum, s, scaled | timed | ratio | from the double sum | from 2 x 2 nodes a texel |\n\
          |---|---|---|---|---|---|---|---|\n",
     );

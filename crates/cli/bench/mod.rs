@@ -14,8 +14,8 @@ mod texels;
 #[cfg(not(feature = "bench"))]
 pub fn absent<T>() -> anyhow::Result<T> {
     anyhow::bail!(
-        "this program was built without its measurements; `cargo build --release --features bench`, in ambake's folder, \
-         builds it with them"
+        "this program was built without its measurements; `cargo build --release --features bench`, in ambake's \
+         folder, builds it with them"
     )
 }
 

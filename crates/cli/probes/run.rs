@@ -150,7 +150,8 @@ fn summary(report: &ProbeReport, written: &[PathBuf], seconds: f64) -> String {
     if let Some(of) = &report.interpolation {
         let share = 100.0 * of.rms / of.mean.max(f64::MIN_POSITIVE);
         text += &format!(
-            "linear interpolation at {} places in the air: mean light {:.3e}, RMS error {:.1e} ({share:.1} %), p99 {:.1e}; {:.1e} of it is noise\n",
+            "linear interpolation at {} places in the air: mean light {:.3e}, RMS error {:.1e} ({share:.1} %), p99 \
+             {:.1e}; {:.1e} of it is noise\n",
             of.places, of.mean, of.rms, of.p99, of.noise
         );
     }

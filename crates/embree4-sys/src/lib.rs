@@ -2,7 +2,8 @@
 //!
 //! `build.rs` generates them from the installed headers through `shim/shim.h` and compiles `shim/shim.c` against the
 //! same headers. Where Embree (or libclang, which generates the bindings) is missing, or `AMBAKE_NO_EMBREE=1` is set,
-//! this crate is empty; with the feature `required` what is missing fails the build. Dependents learn what happened from build metadata:
+//! this crate is empty; with the feature `required` what is missing fails the build. Dependents learn what happened
+//! from build metadata:
 //!
 //! | variable | value |
 //! |---|---|

@@ -54,7 +54,8 @@ impl Encoded {
         let buffer = GBuffer::take(&view, progress, hit)?;
         if buffer.palette.len() > MATERIALS {
             return Err(Error::Tables(format!(
-                "{} materials are seen, and {MATERIALS} fit beside the codes; --albedo, --specular and --exponent give one for all",
+                "{} materials are seen, and {MATERIALS} fit beside the codes; --albedo, --specular and --exponent \
+                 give one for all",
                 buffer.palette.len()
             )));
         }

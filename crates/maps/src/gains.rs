@@ -58,7 +58,8 @@ impl Gains {
             let pairs = pairs(count, shared, channel);
             if let Some(alone) = alone(count, &pairs) {
                 return Err(Error::Shape(format!(
-                    "photograph {} shows too little that another shows as well; take wider photographs or leave their gains as they are by --gains off",
+                    "photograph {} shows too little that another shows as well; take wider photographs or leave their \
+                     gains as they are by --gains off",
                     alone + 1
                 )));
             }

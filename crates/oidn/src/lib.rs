@@ -28,8 +28,8 @@ pub const FOLDER: &str = "OIDN_DIR";
 pub enum Error {
     /// The library is nowhere.
     #[error(
-        "Intel Open Image Denoise is not installed: `pip download --no-deps pyoidn==2.5.1.0`, unzip the file and set OIDN_DIR to its folder \
-         pyoidn/oidn, or leave the denoiser to `--denoise regression`"
+        "Intel Open Image Denoise is not installed: `pip download --no-deps pyoidn==2.5.1.0`, unzip the file and set \
+         OIDN_DIR to its folder pyoidn/oidn, or leave the denoiser to `--denoise regression`"
     )]
     Absent,
     /// The feature `library` is left out.

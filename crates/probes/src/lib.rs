@@ -9,8 +9,9 @@
 //! # Where what is
 //!
 //! `gather.rs` gathers the light of a probe and `estimate.rs` states its errors. `path.rs` has the light from surface
-//! to surface, `grid.rs` and `volume.rs` say where probes stand, `refine.rs` which of a volume are gathered, `reflect.rs` makes reflection maps, `numbers.rs` keeps
-//! what was gathered. Harmonics are in `crates/ambient/src/harmonics.rs`, files in `crates/report/src/probes`.
+//! to surface, `grid.rs` and `volume.rs` say where probes stand, `refine.rs` which of a volume are gathered,
+//! `reflect.rs` makes reflection maps, `numbers.rs` keeps what was gathered. Harmonics are in
+//! `crates/ambient/src/harmonics.rs`, files in `crates/report/src/probes`.
 #![forbid(unsafe_code)]
 
 mod error;

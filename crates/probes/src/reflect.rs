@@ -92,8 +92,8 @@ impl Gather<'_> {
         }
     }
 
-    /// The light that arrives, texel by texel of a face of a cube, by half of the rays. Lights that no ray meets have no
-    /// picture and are left out: engines reflect them themselves. `progress` hears of texels.
+    /// The light that arrives, texel by texel of a face of a cube, by half of the rays. Lights that no ray meets have
+    /// no picture and are left out: engines reflect them themselves. `progress` hears of texels.
     ///
     /// * `number`: labels the sample points, as `half`, 0 or 1, does.
     /// * `face`: of the six of [`Projection::Cube`].

@@ -88,26 +88,31 @@ use Kind::*;
 #[rustfmt::skip]
 const TABLE: [Row; 7] = [
     Row { engine: Engine::Gltf, name: "gltf", kinds: &[Exr, Hdr, Ao], scale: 1.0,
-        how: "STEM.glb carries the occlusion on TEXCOORD_1, for readers that heed texCoord; glTF itself has no lightmaps. \
-              In your own shader add albedo x texel x scale, sampled with TEXCOORD_1, row 0 of the picture at v = 0." },
+        how: "STEM.glb carries the occlusion on TEXCOORD_1, for readers that heed texCoord; glTF itself has no \
+              lightmaps. In your own shader add albedo x texel x scale, sampled with TEXCOORD_1, row 0 of the picture \
+              at v = 0." },
     Row { engine: Engine::Three, name: "three", kinds: &[Exr, Hdr, Ktx2, Ao], scale: PI,
-        how: "material.lightMap = texture with texture.channel = 1 and material.lightMapIntensity = scale; three.js divides by pi. \
-              Set material.aoMap = null, which would darken the lightmap again; flipY = true after EXRLoader, false after HDRLoader and DDSLoader; after KTX2Loader set linear filters." },
+        how: "material.lightMap = texture with texture.channel = 1 and material.lightMapIntensity = scale; three.js \
+              divides by pi. Set material.aoMap = null, which would darken the lightmap again; flipY = true after \
+              EXRLoader, false after HDRLoader and DDSLoader; after KTX2Loader set linear filters." },
     Row { engine: Engine::Blender, name: "blender", kinds: &[Exr, Ao], scale: 1.0,
-        how: "Image Texture (Linear Rec.709) on the second UV map, multiplied by the base colour, into Emission of strength scale. \
-              Import STEM.glb first: its second UV map is the layout. Or import STEM.lit.glb, which is lit as it is." },
+        how: "Image Texture (Linear Rec.709) on the second UV map, multiplied by the base colour, into Emission of \
+              strength scale. Import STEM.glb first: its second UV map is the layout. Or import STEM.lit.glb, which \
+              is lit as it is." },
     Row { engine: Engine::Bevy, name: "bevy", kinds: &[Ktx2, Exr, Ao, Ao8], scale: BEVY_WHITE,
-        how: "Lightmap { image, ..default() } on each mesh entity of STEM.glb, StandardMaterial::lightmap_exposure = scale x (1 - 0.16 x reflectance^2), GlobalAmbientLight::affects_lightmapped_meshes = false. \
-              The scale undoes the default camera Exposure (EV100 9.7); for another take 1.2 * 2^EV100." },
+        how: "Lightmap { image, ..default() } on each mesh entity of STEM.glb, StandardMaterial::lightmap_exposure = \
+              scale x (1 - 0.16 x reflectance^2), GlobalAmbientLight::affects_lightmapped_meshes = false. The scale \
+              undoes the default camera Exposure (EV100 9.7); for another take 1.2 * 2^EV100." },
     Row { engine: Engine::Godot, name: "godot", kinds: &[Exr, Ao, Ao8, GodotImport], scale: 1.0,
-        how: "STEM.godot.glb with the files of that name beside it shows it as it is. In your own spatial shader: EMISSION = albedo * texture(lightmap, UV2).rgb * scale with ambient light off. \
-              Or occlusion alone: STEM.P.ao8.png as AO texture with AO on UV2." },
+        how: "STEM.godot.glb with the files of that name beside it shows it as it is. In your own spatial shader: \
+              EMISSION = albedo * texture(lightmap, UV2).rgb * scale with ambient light off. Or occlusion alone: \
+              STEM.P.ao8.png as AO texture with AO on UV2." },
     Row { engine: Engine::Unity, name: "unity", kinds: &[Exr, Hdr, Ao], scale: 1.0,
-        how: "Import as a lightmap without mipmaps, sRGB off; it lies on uv2 of the imported STEM.glb, scale and offset 1,1,0,0. \
-              Set it in LightmapSettings, Non-Directional; the lit shader multiplies by albedo." },
+        how: "Import as a lightmap without mipmaps, sRGB off; it lies on uv2 of the imported STEM.glb, scale and \
+              offset 1,1,0,0. Set it in LightmapSettings, Non-Directional; the lit shader multiplies by albedo." },
     Row { engine: Engine::Unreal, name: "unreal", kinds: &[Exr, Ao], scale: 1.0,
-        how: "A 2-D texture with sRGB off and without mipmaps, sampled at TexCoord[1]: base colour x texel x scale into Emissive Color of the material. \
-              STEM.P.ao.png goes into Ambient Occlusion, as a mask." },
+        how: "A 2-D texture with sRGB off and without mipmaps, sampled at TexCoord[1]: base colour x texel x scale \
+              into Emissive Color of the material. STEM.P.ao.png goes into Ambient Occlusion, as a mask." },
 ];
 
 impl Engine {
@@ -136,13 +141,15 @@ impl Engine {
         match self {
             Self::Godot => Some((
                 Sh,
-                "Import as Texture2DArray, one column and four rows, without mipmaps and compression; a spatial shader samples it with UV2. \
-                 Slices s0..s3 hold Godot's own packing: E/pi = s0 * (1 + 8 * ((s1 - 0.5) * n.y + (s2 - 0.5) * n.z + (s3 - 0.5) * n.x)), n the normal in the world.",
+                "Import as Texture2DArray, one column and four rows, without mipmaps and compression; a spatial \
+                 shader samples it with UV2. Slices s0..s3 hold Godot's own packing: E/pi = s0 * (1 + 8 * ((s1 - 0.5) \
+                 * n.y + (s2 - 0.5) * n.z + (s3 - 0.5) * n.x)), n the normal in the world.",
             )),
             Self::Bevy => Some((
                 ShKtx2,
-                "A texture_2d_array<f32> in a material extension, sampled with the second coordinates; n is the normal in the world. \
-                 Layers a0..a3: E/pi = a0 + 2 * (a1 * n.x + a2 * n.y + a3 * n.z); times base colour and scale it is what Lightmap adds.",
+                "A texture_2d_array<f32> in a material extension, sampled with the second coordinates; n is the \
+                 normal in the world. Layers a0..a3: E/pi = a0 + 2 * (a1 * n.x + a2 * n.y + a3 * n.z); times base \
+                 colour and scale it is what Lightmap adds.",
             )),
             _ => None,
         }

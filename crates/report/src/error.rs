@@ -22,7 +22,8 @@ pub enum Error {
     },
     /// The results will not fit.
     #[error(
-        "{} has {} MiB free, and this bake needs about {} MiB there for its results and its saved state; free some space, lower --size, ask for fewer --layers, or choose another place with -o",
+        "{} has {} MiB free, and this bake needs about {} MiB there for its results and its saved state; free some \
+         space, lower --size, ask for fewer --layers, or choose another place with -o",
         path.display(), free >> 20, needed.div_ceil(1 << 20)
     )]
     Full {

@@ -185,8 +185,8 @@ impl LayoutReport {
             place: format!("object `{}`", first.name),
             count: uneven.len() as u64,
             message: format!(
-                "{how} texels per unit than others have, {} where the median is {}{though}; {cure}, `--density even` all \
-                 the same",
+                "{how} texels per unit than others have, {} where the median is {}{though}; {cure}, `--density even` \
+                 all the same",
                 short(first.density),
                 short(usual),
             ),

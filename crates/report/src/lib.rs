@@ -7,9 +7,9 @@
 //!
 //! * EXR pages: `exr_write.rs`. Previews: `preview.rs`. The GLB: `gltf`. `bake.json`: `bake_json`, and whose report
 //!   it is: `record.rs` and `stage_record.rs`.
-//! * What an engine gets: `engines`, with its table in `engine_table.rs`, the pictures in the files beside it, GLB files with
-//!   light in them in `scene_glb.rs`, occlusion beside roughness in `orm_glb.rs`, copies as instances in `instanced`
-//!   and light by direction in `sh.rs`. Shaders for any view: `any_view`.
+//! * What an engine gets: `engines`, with its table in `engine_table.rs`, the pictures in the files beside it, GLB
+//!   files with light in them in `scene_glb.rs`, occlusion beside roughness in `orm_glb.rs`, copies as instances in
+//!   `instanced` and light by direction in `sh.rs`. Shaders for any view: `any_view`.
 //! * `report.html`: `viewer`, where `mod.rs`, `embed.rs`, `cutouts.rs`, `balls.rs` write it; the page itself is HTML,
 //!   CSS and JavaScript beside them.
 //! * `compare`: `compare.rs`, with pictures by `difference.rs`. Files of probes: `probes`. Layouts: `layout.rs` has

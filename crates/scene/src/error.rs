@@ -24,7 +24,8 @@ pub enum Error {
     },
     /// A scene names a file outside of its folder.
     #[error(
-        "{}: it names {}, which lies outside of the scene's folder; copy it there, or pass --allow-outside if you trust the scene",
+        "{}: it names {}, which lies outside of the scene's folder; copy it there, or pass --allow-outside if you \
+         trust the scene",
         path.display(), named.display()
     )]
     Outside {

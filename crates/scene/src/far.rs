@@ -88,8 +88,9 @@ pub(crate) fn warn(input: &mut Input, format: Format, meshes: &[Mesh], instances
     });
     if let Some((mesh, reach, edge)) = lost.next() {
         let message = format!(
-            "32-bit coordinates near {reach:.0} are {:.1e} apart, and half of the triangles have an edge under {edge:.1e}: finer digits are lost in \
-             the file; export the mesh about its own origin, and let its node stand far away",
+            "32-bit coordinates near {reach:.0} are {:.1e} apart, and half of the triangles have an edge under \
+             {edge:.1e}: finer digits are lost in the file; export the mesh about its own origin, and let its node \
+             stand far away",
             spacing(reach)
         );
         let (place, count) = (
@@ -114,8 +115,8 @@ pub(crate) fn warn(input: &mut Input, format: Format, meshes: &[Mesh], instances
     });
     if let Some((instance, reach)) = apart.next() {
         let message = format!(
-            "it lies {reach:.0} units from most of the scene, where rays tell places {:.1e} apart: finer shapes bake as they are rounded; bake what \
-             lies so far apart as scenes of their own",
+            "it lies {reach:.0} units from most of the scene, where rays tell places {:.1e} apart: finer shapes bake \
+             as they are rounded; bake what lies so far apart as scenes of their own",
             spacing(reach)
         );
         let (place, count) = (

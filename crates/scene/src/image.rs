@@ -22,7 +22,8 @@ pub(crate) enum Failure {
 }
 
 /// What is said of [`Failure::TooLarge`].
-pub(crate) const TOO_LARGE: &str = "the image is wider or higher than 65,536 pixels or takes more than 1 GiB decoded; scale it down";
+pub(crate) const TOO_LARGE: &str = "the image is wider or higher than 65,536 pixels or takes more than 1 GiB decoded; \
+    scale it down";
 
 /// Width, height and RGBA pixels.
 pub(crate) struct Pixels {
@@ -74,8 +75,8 @@ impl Budget {
         self.taken = self.taken.saturating_add(pixels);
         match self.taken > self.allowed {
             true => Err(format!(
-                "with this image of {width} x {height} pixels the decoded pictures of the scene take {} MiB, and {} are allowed for files \
-                 of their length; scale pictures down or leave some out",
+                "with this image of {width} x {height} pixels the decoded pictures of the scene take {} MiB, and {} \
+                 are allowed for files of their length; scale pictures down or leave some out",
                 self.taken.div_ceil(1 << 20),
                 self.allowed >> 20
             )),

@@ -102,7 +102,8 @@ impl Input {
             return slashed;
         };
         let place = format!("`{}`, found as {}", short(&name), found.display());
-        let message = "a file is not where its name says; one of the same name, but for its folders or the case of letters, is read";
+        let message = "a file is not where its name says; one of the same name, but for its folders or the case of \
+            letters, is read";
         self.warn(WarningKind::FilesFoundElsewhere, place, 1, message);
         found
     }

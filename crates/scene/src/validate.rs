@@ -343,7 +343,8 @@ fn instances(input: &mut Input, parts: &mut Parts) -> Result<(), Error> {
         let sides = m.x_axis.abs() * size.x + m.y_axis.abs() * size.y + m.z_axis.abs() * size.z;
         if sides.max_element() < LEAST {
             let message = format!(
-                "the instance is smaller than {LEAST:e} units, where rays in f32 meet nothing, and is left out; scale the scene up"
+                "the instance is smaller than {LEAST:e} units, where rays in f32 meet nothing, and is left out; scale \
+                 the scene up"
             );
             input.warn(WarningKind::TinyInstances, instance.name, 1, message);
             continue;
@@ -366,8 +367,8 @@ fn invisible_materials(input: &mut Input, parts: &Parts) {
     }
     for (material, _) in parts.materials.iter().zip(used).filter(|(_, used)| *used) {
         let invisible = matches!(material.alpha, Alpha::Blend { factor, .. } if factor == 0.0);
-        let message = "it lets all light through (an alpha of 0, `Tr 1` or `d 0`), so that nothing of it blocks light; where it is meant to \
-                       be opaque, give it an alpha of 1 (`d 1`)";
+        let message = "it lets all light through (an alpha of 0, `Tr 1` or `d 0`), so that nothing of it blocks \
+                       light; where it is meant to be opaque, give it an alpha of 1 (`d 1`)";
         let place = format!("material `{}`", short(&material.name));
         input.warn(
             WarningKind::InvisibleMaterials,

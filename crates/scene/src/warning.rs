@@ -25,8 +25,8 @@ pub struct Warning {
 pub enum WarningKind {
     /// OBJ: `Ka` of a material is neither black, white nor its `Kd`, and the traditional term takes `Kd`.
     AmbientCoefficients,
-    /// OBJ: `Kd` of a material is black. Beside `map_Kd` it counts as white, else Lambert's and the traditional model are
-    /// black on it.
+    /// OBJ: `Kd` of a material is black. Beside `map_Kd` it counts as white, else Lambert's and the traditional model
+    /// are black on it.
     BlackDiffuse,
     /// glTF: a material that is all metal, by `metallicFactor` 1 or without one, and no texture says otherwise. A metal
     /// has no albedo, so that Lambert's and the traditional model are black on it. Nor has one whose coat reflects all,
@@ -39,8 +39,8 @@ pub enum WarningKind {
     BadTangents,
     /// A UV that is not finite becomes (0, 0).
     BadUvs,
-    /// glTF: what a bake can do without (an attribute, a property of a material, a sampler, a name) cannot be meant as it
-    /// stands in the file: it is as if it were not there.
+    /// glTF: what a bake can do without (an attribute, a property of a material, a sampler, a name) cannot be meant as
+    /// it stands in the file: it is as if it were not there.
     BrokenParts,
     /// A factor of a material outside its range is clamped into it.
     ClampedFactors,

@@ -96,7 +96,8 @@ fn hemisphere_rays_beside_visible_normals_lower_the_error_at_every_roughness() {
                 let ggx = Ggx::new(roughness * roughness, degrees.to_radians().cos());
                 let [visible, even, both] = errors(&ggx, open);
                 println!(
-                    "{name}, {degrees} degrees, roughness {roughness}: {visible:.4} by visible normals, {even:.4} by the hemisphere, {both:.4} by both"
+                    "{name}, {degrees} degrees, roughness {roughness}: {visible:.4} by visible normals, {even:.4} by \
+                     the hemisphere, {both:.4} by both"
                 );
                 assert!(both < 0.9 * visible, "{visible} {both}");
                 assert!(both < 1.1 * even, "{even} {both}");

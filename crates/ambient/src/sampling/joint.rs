@@ -14,9 +14,9 @@ use super::stream::mix;
 use std::ops::Range;
 
 impl Stream {
-    /// This stream as texel (x, y) of a square of `2^edge_log2` texels, at most 2^15 on its edge, takes its points `net`,
-    /// counted from 0: a power of two, aligned to itself. Texels of the square have this stream and `net` in common; x and y count modulo its
-    /// edge.
+    /// This stream as texel (x, y) of a square of `2^edge_log2` texels, at most 2^15 on its edge, takes its points
+    /// `net`, counted from 0: a power of two, aligned to itself. Texels of the square have this stream and `net` in
+    /// common; x and y count modulo its edge.
     ///
     /// Points are those of an Owen-scrambled Sobol sequence, however many of them are taken. All points of all texels
     /// of an aligned square are a net, and nets that follow each other continue one sequence, so that the second falls

@@ -30,8 +30,8 @@ pub fn markdown(title: &str, quantity: &str, rows: &[Row], ceiling: Option<Sprea
 /// What the numbers are, above the tables.
 fn notes(quantity: &str, clock: &str, repeats: usize) -> String {
     let mut text = format!(
-        "\nRMSE is of the {quantity} over covered texels, against {REFERENCE_RAYS} rays of another seed. {clock} seconds are of the \
-         bake over all threads, without building the ray scene and without writing.\n"
+        "\nRMSE is of the {quantity} over covered texels, against {REFERENCE_RAYS} rays of another seed. {clock} \
+         seconds are of the bake over all threads, without building the ray scene and without writing.\n"
     );
     text += &match repeats {
         1 => "There is one repeat: the spread is not known.\n".into(),
@@ -59,9 +59,9 @@ fn at_equal_error(clock: &str, curves: &[Curve]) -> String {
         );
     }
     let mut text = format!(
-        "\n{clock} seconds to an RMSE, on a straight line in logarithms between the two neighbouring efforts on either side of it, each \
-         repeat by itself. The errors are those that `{}` measured; `-` where the efforts of a technique do not lie on both \
-         sides of the error in every repeat. Nothing is extrapolated.\n\n",
+        "\n{clock} seconds to an RMSE, on a straight line in logarithms between the two neighbouring efforts on \
+         either side of it, each repeat by itself. The errors are those that `{}` measured; `-` where the efforts of \
+         a technique do not lie on both sides of the error in every repeat. Nothing is extrapolated.\n\n",
         first.name
     );
     text += &table(curves, &errors, |curve, error| curve.seconds_to(error));

@@ -100,7 +100,8 @@ impl Photo<'_> {
             && !(d > 1.0 && d.is_finite())
         {
             return shape(format!(
-                "the camera of photograph {index} is {d} ball radii from the middle of the ball; it stands outside, give a --distance above 1"
+                "the camera of photograph {index} is {d} ball radii from the middle of the ball; it stands outside, \
+                 give a --distance above 1"
             ));
         }
         let [x, y, z] = self.from;

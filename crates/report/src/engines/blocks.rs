@@ -87,8 +87,8 @@ mod tests {
 
     #[test]
     fn light_of_a_wide_range_comes_back_within_five_per_cent() {
-        // It falls by a factor of e every 16 texels. The ends of a block have 10 bits or more, steps of 3 to 6 % of which
-        // half is lost, and a step between them is 1.2 %.
+        // It falls by a factor of e every 16 texels. The ends of a block have 10 bits or more, steps of 3 to 6 % of
+        // which half is lost, and a step between them is 1.2 %.
         let shown = level(64, |x, y| {
             let fall = (-((x + y) as f32) / 16.0).exp();
             [4000.0 * fall, 1000.0 * fall, 3.0 * fall]

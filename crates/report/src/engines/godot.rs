@@ -33,8 +33,8 @@ pub const GODOT: SceneGlb = SceneGlb {
     ],
     words: [
         "radiance that leaves a matt surface, by materials that multiply their colour by STEM.P.lightmap.exr at UV2",
-        "Copy STEM.godot* and STEM.*.lightmap.exr* to the top of a Godot project before it sees them, without the script of \
-         the other version. \
+        "Copy STEM.godot* and STEM.*.lightmap.exr* to the top of a Godot project before it sees them, without the \
+         script of the other version. \
          The scene is lit as it is, without lamps and sky.",
     ],
 };
@@ -57,8 +57,8 @@ mipmaps/generate=false
 detect_3d/compress_to=0
 ";
 
-/// How Godot imports the scene: coordinates at full precision, and a script for its materials. Version 3 wants its whole
-/// path.
+/// How Godot imports the scene: coordinates at full precision, and a script for its materials. Version 3 wants its
+/// whole path.
 fn import(stem: &str) -> String {
     let stem = stem.replace('\\', "\\\\").replace('"', "\\\"");
     format!(

@@ -1,4 +1,5 @@
-//! A KTX2 container of half floats, or of compressed blocks of 4 x 4 texels (Khronos, KTX File Format Specification 2.0).
+//! A KTX2 container of half floats, or of compressed blocks of 4 x 4 texels (Khronos, KTX File Format Specification
+//! 2.0).
 
 use super::{LightLevel, halves};
 
@@ -132,7 +133,8 @@ fn descriptor(texels: Texels) -> Vec<u8> {
     const FLOAT: u32 = 0x80;
     const SIGNED: u32 = 0x40;
     let one = 1.0f32.to_bits();
-    // Colour model; edge of a block less one, across and down; first bit, bits less one, kind, least and most of a sample.
+    // Colour model; edge of a block less one, across and down; first bit, bits less one, kind, least and most of a
+    // sample.
     let (model, edge, samples) = match texels {
         Texels::Half => {
             let sample = |(i, channel): (usize, u32)| {

@@ -24,8 +24,9 @@ pub const LIGHTMAP: SceneGlb = SceneGlb {
     beside: &[],
     words: [
         "irradiance E on TEXCOORD_1: the 8-bit linear texture of MOZ_lightmap times its intensity",
-        "Readers of MOZ_lightmap (Mozilla Hubs, three.js with a plugin of ten lines) show it lit with its own materials, without lamps. \
-         In other viewers it is the scene without its light; for more than 8 bits take STEM.P.lightmap.exr.",
+        "Readers of MOZ_lightmap (Mozilla Hubs, three.js with a plugin of ten lines) show it lit with its own \
+         materials, without lamps. In other viewers it is the scene without its light; for more than 8 bits take \
+         STEM.P.lightmap.exr.",
     ],
 };
 

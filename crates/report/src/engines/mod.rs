@@ -83,8 +83,8 @@ pub fn stage_engines(
     Ok(entries.collect())
 }
 
-/// The light of a page, or a smaller level of it, as engines take it. No texel is void: around charts stand their nearest
-/// texels, and smooth means between those.
+/// The light of a page, or a smaller level of it, as engines take it. No texel is void: around charts stand their
+/// nearest texels, and smooth means between those.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LightLevel {
     /// Edge in texels.

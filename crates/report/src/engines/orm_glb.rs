@@ -18,8 +18,10 @@ pub const ENGINES: [Engine; 3] = [Engine::Gltf, Engine::Godot, Engine::Unreal];
 
 /// Unit and use, as `bake.json` says them.
 pub const WORDS: [&str; 2] = [
-    "no light: STEM.glb with occlusion (red), roughness (green) and metalness (blue) in one texture of each material that allows it",
-    "Import it in place of STEM.glb. Materials whose metallicRoughnessTexture is read at other coordinates keep two textures.",
+    "no light: STEM.glb with occlusion (red), roughness (green) and metalness (blue) in one texture of each material \
+     that allows it",
+    "Import it in place of STEM.glb. Materials whose metallicRoughnessTexture is read at other coordinates keep two \
+     textures.",
 ];
 
 /// The GLB of a bake with packed textures; `None` where no material can be packed, or `glb` is not one that ambake

@@ -78,8 +78,9 @@ pub fn probe_files(
                     scale: BEVY_WHITE,
                     ..file(
                         name,
-                        "Load it as the voxels of an IrradianceVolume with scale as its intensity, and spawn that with a LightProbe and a Transform \
-                         whose translation is center and whose scale is size. Sample the texture with linear filters.",
+                        "Load it as the voxels of an IrradianceVolume with scale as its intensity, and spawn that \
+                         with a LightProbe and a Transform whose translation is center and whose scale is size. \
+                         Sample the texture with linear filters.",
                     )
                 }));
             }
@@ -110,8 +111,9 @@ pub fn probe_files(
                 output.stage_bytes(&name, &pretty(&unity(set)))?;
                 files.push(file(
                     name,
-                    "Positions and coefficients of SphericalHarmonicsL2 in its order, red first, with x turned over as Unity's importers do. Put \
-                     positions into a LightProbeGroup, and the coefficients into LightmapSettings.lightProbes.bakedProbes.",
+                    "Positions and coefficients of SphericalHarmonicsL2 in its order, red first, with x turned over \
+                     as Unity's importers do. Put positions into a LightProbeGroup, and the coefficients into \
+                     LightmapSettings.lightProbes.bakedProbes.",
                 ));
             }
             Engine::Godot => {
@@ -119,8 +121,8 @@ pub fn probe_files(
                 output.stage_bytes(&name, godot(set).as_bytes())?;
                 files.push(file(
                     name,
-                    "A scene of LightmapProbe nodes at the probes' places. Godot bakes their light itself: the data of LightmapGI can only be made \
-                     in its editor.",
+                    "A scene of LightmapProbe nodes at the probes' places. Godot bakes their light itself: the data \
+                     of LightmapGI can only be made in its editor.",
                 ));
             }
             // They take the pictures of reflections.

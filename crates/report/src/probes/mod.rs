@@ -214,7 +214,8 @@ fn stage_pictures(
 ) -> Result<(), Error> {
     stage_picture(output, &format!("{stem}.probes.exr"), &planes(set), header)?;
     let header = PageHeader {
-        convention: "mean distance of surfaces in scene units, and the mean of its square; octahedrons, +z in the middle, y upward".into(),
+        convention: "mean distance of surfaces in scene units, and the mean of its square; octahedrons, +z in the \
+            middle, y upward".into(),
         ..header.clone()
     };
     let name = format!("{stem}.probes.distance.exr");

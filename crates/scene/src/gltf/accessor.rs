@@ -212,7 +212,8 @@ fn elements(
     match bytes.get(offset..) {
         Some(rest) if fits && stride >= size => Ok(rest),
         _ => Err(format!(
-            "{count} elements of {size} bytes at a stride of {stride} do not fit into {} bytes from {offset} on; the file is corrupt",
+            "{count} elements of {size} bytes at a stride of {stride} do not fit into {} bytes from {offset} on; the \
+             file is corrupt",
             bytes.len()
         )),
     }

@@ -155,11 +155,11 @@ fn material(
         place.as_str(),
         is_metal.into(),
         if pbr.get("metallicFactor").is_some() {
-            "all metal by its metallicFactor, so its albedo and `lambert` are black; give it a metallicFactor of 0 (Metallic 0 in \
-             Blender) unless it is one"
+            "all metal by its metallicFactor, so its albedo and `lambert` are black; give it a metallicFactor of 0 \
+             (Metallic 0 in Blender) unless it is one"
         } else {
-            "all metal, as glTF has it where no metallicFactor is given, so its albedo and `lambert` are black; give it a metallicFactor \
-             of 0 (Metallic 0 in Blender) unless it is one"
+            "all metal, as glTF has it where no metallicFactor is given, so its albedo and `lambert` are black; give \
+             it a metallicFactor of 0 (Metallic 0 in Blender) unless it is one"
         },
     );
     // What a coat reflects does not reach what it covers: that is black under a mirror, as a metal is.
@@ -196,7 +196,8 @@ fn material(
         WarningKind::GreyTransmission,
         place.as_str(),
         u64::from(is_tinted && transmission.is_some()),
-        "a bake gives light of the sky that passes it no tint, but the mean of its colour in all channels; lamps shine through it in colour",
+        "a bake gives light of the sky that passes it no tint, but the mean of its colour in all channels; lamps \
+         shine through it in colour",
     );
     // A factor of 0 keeps its texture dark.
     let emission_map = match emission == Vec3::ZERO {

@@ -1,10 +1,11 @@
 //! Material libraries: the parameters of the Phong model as OBJ files give them.
 //!
 //! Read: `Ka`, `Kd`, `Ks`, `Ns`, `Ke`, `d`, `Tr`, `map_Kd`, `map_d`; missing ones are white, black, 0, black and
-//! opaque. A black `Kd` beside `map_Kd` is white, for else the picture would not show. Where Kd + Ks is above 1 in a channel, both are scaled down, for no surface reflects more than it receives.
-//! `Ka` serves the traditional term alone, where it is asked for. `norm`, else `map_Bump` or `bump`, is the normal map.
-//! What no face uses is not read, nor are its pictures. A statement that names no file, such as `map_Kd .`, is none.
-//! `map_Ks` is noted and left out. `illum` is not used either: which model is shown is chosen by layer.
+//! opaque. A black `Kd` beside `map_Kd` is white, for else the picture would not show. Where Kd + Ks is above 1 in a
+//! channel, both are scaled down, for no surface reflects more than it receives. `Ka` serves the traditional term
+//! alone, where it is asked for. `norm`, else `map_Bump` or `bump`, is the normal map. What no face uses is not read,
+//! nor are its pictures. A statement that names no file, such as `map_Kd .`, is none. `map_Ks` is noted and left out.
+//! `illum` is not used either: which model is shown is chosen by layer.
 
 use super::options::Options;
 use super::{name, number, text_of};

@@ -20,9 +20,10 @@ pub const ENGINES: [Engine; 2] = [Engine::Gltf, Engine::Three];
 
 /// Unit and use, as `bake.json` says them.
 pub const WORDS: [&str; 2] = [
-    "no light: STEM.glb with the copies of a mesh by EXT_mesh_gpu_instancing, their rectangles on the page as the attribute _LIGHTMAP_RECT",
-    "Load it in place of STEM.glb where a scene has many copies; read the lightmap of a copy at TEXCOORD_1 x rect.xy + rect.zw. \
-     Objects that are no copies have their coordinates as in STEM.glb.",
+    "no light: STEM.glb with the copies of a mesh by EXT_mesh_gpu_instancing, their rectangles on the page as the \
+     attribute _LIGHTMAP_RECT",
+    "Load it in place of STEM.glb where a scene has many copies; read the lightmap of a copy at TEXCOORD_1 x rect.xy \
+     + rect.zw. Objects that are no copies have their coordinates as in STEM.glb.",
 ];
 
 const INSTANCING: &str = "EXT_mesh_gpu_instancing";
