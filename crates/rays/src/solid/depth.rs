@@ -4,6 +4,7 @@ use super::opening::Opening;
 use super::placed::box_corners;
 use super::{Body, Inside, NUDGE, Solids};
 use glam::DVec3;
+use scene::around;
 
 impl Solids {
     /// True where a body counts the same at all points of triangles of `own`: a solid does not bury itself, and a
@@ -21,9 +22,8 @@ impl Solids {
     pub fn meets(&self, body: u32, points: impl Iterator<Item = DVec3> + Clone) -> bool {
         let of = &self.bodies[body as usize];
         let is_near = |body: &Body| {
-            let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
             let local = points.clone().map(|at| body.inverse.transform_point3(at));
-            let (low, high) = local.fold(limits, |(low, high), at| (low.min(at), high.max(at)));
+            let (low, high) = around(local);
             let is_solid = body.inside == Inside::Solid;
             let mut openings = self.surface(body).openings.iter();
             self.tree(body).meets(&self.scene, low, high)
@@ -39,9 +39,7 @@ impl Solids {
             shown.any(|shown| Some(shown) != first)
         };
         let other_is_near = || {
-            let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-            let around = |(low, high): (DVec3, DVec3), at| (low.min(at), high.max(at));
-            let (low, high) = points.clone().fold(limits, around);
+            let (low, high) = around(points.clone());
             let is_near = |other| other != body && is_near(&self.bodies[other as usize]);
             self.room_boxes.any(low, high, is_near)
         };

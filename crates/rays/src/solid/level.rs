@@ -7,6 +7,7 @@
 use super::tree::Slab;
 use super::{Inside, NUDGE, Solids};
 use glam::DVec3;
+use scene::around;
 
 /// The cosine of the angle between faces that are level, at least.
 const ALONG: f64 = 0.999;
@@ -20,9 +21,7 @@ impl Solids {
     ///
     /// * `normal`: of unit length, to the side that the triangle shows.
     pub fn level(&self, triangle: [DVec3; 3], normal: DVec3, own: Option<u32>) -> f64 {
-        let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        let around = |(low, high): (DVec3, DVec3), &p: &DVec3| (low.min(p), high.max(p));
-        let (low, high) = triangle.iter().fold(limits, around);
+        let (low, high) = around(triangle);
         // What is nested in many bodies is asked of one.
         if self.is_crowded(low, high) && self.swallow(low, high, own) {
             return 0.0;
@@ -58,7 +57,7 @@ impl Solids {
             let transform = of.inverse.inverse();
             let ends = super::box_corners(least, most);
             let ends = ends.map(|p| of.inverse.transform_point3(p));
-            let (low, high) = ends.iter().fold(limits, around);
+            let (low, high) = around(ends);
             let side =
                 self.surface(of).content().signum() * transform.matrix3.determinant().signum();
             let slab = slab.before(&transform);

@@ -4,6 +4,7 @@ use super::tree::{CLEAR, height_over};
 use super::{Body, Solids};
 use crate::triangle::ShearedRay;
 use glam::DVec3;
+use scene::around;
 
 /// A closed surface about a box. The first point is looked at from far away, as [`Solids::depth`] does; from there to
 /// the others, what lies between is counted.
@@ -135,12 +136,7 @@ impl Solids {
     /// A closed surface about the box of some points, for the depth at many points in it.
     pub fn near(&self, body: u32, points: impl Iterator<Item = DVec3>) -> Near<'_> {
         let of = &self.bodies[body as usize];
-        let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        let (low, high) = points
-            .map(|point| of.inverse.transform_point3(point))
-            .fold(limits, |(low, high), point| {
-                (low.min(point), high.max(point))
-            });
+        let (low, high) = around(points.map(|point| of.inverse.transform_point3(point)));
         // Points between those given are rounded too.
         let slack = 1e-6 * (high - low).max_element();
         let (low, high) = (low - slack, high + slack);

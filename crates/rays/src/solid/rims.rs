@@ -13,7 +13,7 @@ use super::topology::{Face, corners};
 use crate::solid::NUDGE;
 use glam::DVec3;
 use rayon::prelude::*;
-use scene::Scene;
+use scene::{Scene, around};
 use std::collections::{BTreeMap, HashMap};
 
 /// Faces of a surface of which each corner is looked at; of a larger one the box. And of one of which flat parts are.
@@ -104,8 +104,7 @@ impl Rim {
         let beyond = corners
             .into_iter()
             .filter(|&corner| rim.height(corner) < 0.0);
-        let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        let (low, high) = beyond.fold(limits, |(low, high), p| (low.min(p), high.max(p)));
+        let (low, high) = around(beyond);
         let is_flat = other.surface.front.is_some();
         if is_flat && plate.spans(low, high) {
             rim.most = 1.0;

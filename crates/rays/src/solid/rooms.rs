@@ -24,7 +24,7 @@ use super::wound::LOOKS;
 use super::{Inside, NUDGE, Solids};
 use glam::DVec3;
 use rayon::prelude::*;
-use scene::Scene;
+use scene::{Scene, around};
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// What encloses more than this of a room, by volume, leaves no room to be in.
@@ -344,8 +344,7 @@ impl Solids {
             near.iter().any(|&room| {
                 let (of, inverse) = (rooms[room], rooms[room].inverse);
                 let ends = about(point).map(|p| inverse.transform_point3(p));
-                let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-                let (low, high) = ends.fold(limits, |(low, high), p| (low.min(p), high.max(p)));
+                let (low, high) = around(ends);
                 let tree = self.tree_of(of.shape, of.key.1);
                 tree.meets(&self.scene, low, high)
             })

@@ -22,7 +22,7 @@ use crate::boxes::Boxes;
 use crate::solid::NUDGE;
 use glam::{DAffine3, DVec3};
 use rayon::prelude::*;
-use scene::Scene;
+use scene::{Scene, around};
 use std::collections::HashMap;
 
 /// How far above a surface a layer may lie where nobody says how far, in sizes of the smaller of the two: between what
@@ -221,7 +221,7 @@ impl Solids {
         let of = &self.scene.instances[instance as usize];
         let corners = corners(&self.scene, Face::of(of.mesh, triangle))
             .map(|p| of.transform.transform_point3(p.as_dvec3()));
-        let (low, high) = box_of(corners);
+        let (low, high) = around(corners);
         let mut near = covers.within((low, high), within().min(layers.above), Slab::EVERYWHERE);
         near.next().is_some().then_some(covers)
     }
@@ -276,7 +276,7 @@ impl Solids {
         let near = faces(layer, other.low, other.high);
         let step = near.len().div_ceil(ASKED).max(1);
         near.iter().step_by(step).any(|&face| {
-            let (normal, (low, high)) = (front(&side.seen(face)), box_of(face));
+            let (normal, (low, high)) = (front(&side.seen(face)), around(face));
             let least = side.least(low.abs().max(high.abs()).max_element());
             let is_behind =
                 |corner: DVec3| (least..=slack).contains(&(face[0] - corner).dot(normal));
@@ -296,7 +296,7 @@ impl Solids {
         (low, high): (DVec3, DVec3),
         slab: &Slab,
     ) -> Vec<[DVec3; 3]> {
-        let (low, high) = box_of(box_corners(low, high).map(|p| inverse.transform_point3(p)));
+        let (low, high) = around(box_corners(low, high).map(|p| inverse.transform_point3(p)));
         let mirrors = transform.matrix3.determinant() < 0.0;
         let tree = self.tree_of(shape, surface);
         let mut found = Vec::new();
@@ -337,10 +337,4 @@ fn above(layer: &Placed, other: &Placed) -> f64 {
 /// The unit direction to which a triangle looks.
 fn front([a, b, c]: &[DVec3; 3]) -> DVec3 {
     (*b - *a).cross(*c - *a).normalize_or_zero()
-}
-
-fn box_of(points: impl IntoIterator<Item = DVec3>) -> (DVec3, DVec3) {
-    let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    let points = points.into_iter();
-    points.fold(limits, |(low, high), p| (low.min(p), high.max(p)))
 }
