@@ -251,11 +251,11 @@ fn burying(solids: &Solids, bodies: &[Fingerprint]) -> BoxTree {
     BoxTree::build((0..).zip(bodies).filter_map(item).collect())
 }
 
-/// By body, the grounds and rooms that it is rooted in.
+/// By body, the grounds and rooms that it is rooted in, and the grounds that cut it.
 fn roots(solids: &Solids) -> HashMap<u32, Vec<u32>> {
     let mut roots: HashMap<u32, Vec<u32>> = HashMap::new();
     for body in 0..solids.bodies() {
-        for &rooted in solids.rooted(body) {
+        for &rooted in solids.rooted(body).iter().chain(solids.cut(body)) {
             roots.entry(rooted).or_default().push(body);
         }
     }

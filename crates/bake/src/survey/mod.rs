@@ -6,6 +6,7 @@ mod cells;
 pub(crate) mod fixture;
 mod rims;
 mod seen;
+mod spot;
 mod texel;
 
 pub(crate) use cell::{Cell, Sample, kept_in, place_in};

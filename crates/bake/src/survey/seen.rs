@@ -7,6 +7,7 @@
 
 use super::cell::Cell;
 use super::cells::{Cells, Ground};
+use super::spot::{Spot, cavities};
 use glam::DVec3;
 use rays::{NUDGE, Near, Solids};
 
@@ -23,117 +24,6 @@ pub(crate) struct Seen {
     pub share: f32,
     /// The strata that samples are drawn from; empty for all.
     strata: Vec<u8>,
-}
-
-/// Where footprints are.
-#[derive(Clone, Copy)]
-struct Spot {
-    low: DVec3,
-    high: DVec3,
-    /// The closed surface that all of it is part of, if any; `None` where that differs.
-    own: Option<Option<u32>>,
-}
-
-impl Spot {
-    /// Where cells with these corners are, of which there are some.
-    fn about<'a>(
-        mut cells: impl Iterator<Item = &'a Cell>,
-        corners: impl Iterator<Item = [DVec3; 4]>,
-    ) -> Self {
-        let (low, high) = rays::around(corners.flatten());
-        let own = cells.next().map(|cell| cell.body);
-        let own = own.filter(|&own| cells.all(|cell| cell.body == own));
-        Self { low, high, own }
-    }
-
-    fn of(cells: &Cells) -> Self {
-        Self::about(cells.iter(), cells.corners())
-    }
-
-    /// True where nothing can bury any of it.
-    fn is_free(&self, solids: &Solids) -> bool {
-        let near = solids.about(self.low, self.high);
-        self.retained(solids, near).is_empty()
-    }
-
-    fn with(self, other: &Self) -> Self {
-        Self {
-            low: self.low.min(other.low),
-            high: self.high.max(other.high),
-            own: self.own.filter(|_| self.own == other.own),
-        }
-    }
-
-    /// True where a crowd of bodies is near it and one of them holds all of it: what is nested in many bodies is
-    /// asked of one.
-    fn is_swallowed(&self, solids: &Solids) -> bool {
-        let by_one = |own| solids.swallow(self.low, self.high, own);
-        solids.is_crowded(self.low, self.high) && self.own.is_some_and(by_one)
-    }
-
-    /// Those of the bodies about it that may bury some of it.
-    fn retained(&self, solids: &Solids, mut near: Vec<u32>) -> Vec<u32> {
-        let slack = NUDGE * self.reach(solids, &near);
-        let (low, high) = (self.low - slack, self.high + slack);
-        near.retain(|&body| {
-            let is_spared = self.own.is_some_and(|own| solids.spares(body, own));
-            !is_spared && !solids.is_before(body, low, high)
-        });
-        near
-    }
-
-    /// The largest coordinate of it and of the bodies near it.
-    fn reach(&self, solids: &Solids, near: &[u32]) -> f64 {
-        let extent = near.iter().map(|&body| solids.extent(body));
-        extent.fold(self.low.abs().max(self.high.abs()).max_element(), f64::max)
-    }
-
-    /// What can be seen of every footprint alike; where that may differ, those of the bodies near it that count for
-    /// some of it.
-    fn alike(&self, solids: &Solids, near: Vec<u32>, reach: f64) -> Result<Seen, Vec<u32>> {
-        let Some(own) = self.own else {
-            return Err(near);
-        };
-        let slack = NUDGE * reach;
-        let ends = [self.low - slack, self.high + slack];
-        let corner = |k: usize| {
-            let [x, y, z] = [k & 1, k >> 1 & 1, k >> 2];
-            DVec3::new(ends[x].x, ends[y].y, ends[z].z)
-        };
-        let corners = (0..8).map(corner);
-        let may_differ = |body: u32| {
-            let is_close = || own != Some(body) && solids.meets(body, corners.clone());
-            solids.is_ground(body) || is_close()
-        };
-        let middle = 0.5 * (self.low + self.high);
-        let most_taken = cavities(solids, &near);
-        let (mut base, mut left, mut is_alike) = (0, Vec::new(), true);
-        for body in near {
-            if may_differ(body) {
-                is_alike = false;
-                left.push(body);
-                continue;
-            }
-            let depth = solids.depth(body, middle, own);
-            if depth != 0 {
-                left.push(body);
-            }
-            base += depth;
-            if base > most_taken {
-                return Ok(Seen::NONE);
-            }
-        }
-        match is_alike {
-            true if base <= 0 => Ok(Seen::ALL),
-            true => Ok(Seen::NONE),
-            false => Err(left),
-        }
-    }
-}
-
-/// How much some bodies can take at most from what others count: cavities alone do, one each.
-fn cavities(solids: &Solids, bodies: &[u32]) -> i32 {
-    (bodies.iter().filter(|&&body| solids.is_cavity(body))).count() as i32
 }
 
 /// True where nothing can bury any of a tile, so that all can be seen.
@@ -191,7 +81,10 @@ fn look_among(
         return;
     }
     if let [(number, cells, _)] = footprints {
-        found.push((*number, Seen::of(cells, &whole, solids, (&left, reach))));
+        found.push((
+            *number,
+            Seen::of(cells, &whole, solids, (&left, reach), true),
+        ));
         return;
     }
     let left = match whole.alike(solids, left, reach) {
@@ -240,8 +133,14 @@ impl Seen {
     };
 
     /// Looks at a texel of these cells, which is `whole`, among the solids whose boxes may meet its own, up to this
-    /// largest coordinate.
-    fn of(cells: &Cells, whole: &Spot, solids: &Solids, (near, reach): (&[u32], f64)) -> Self {
+    /// largest coordinate. Where grounds that only cut it leave nothing of it, it is looked at without.
+    fn of(
+        cells: &Cells,
+        whole: &Spot,
+        solids: &Solids,
+        (near, reach): (&[u32], f64),
+        by_cuts: bool,
+    ) -> Self {
         let (own, is_uniform) = (cells.cell(0).body, whole.own.is_some());
         let tested = |position: DVec3, geometric: DVec3| position + NUDGE * reach * geometric;
         let corners: Vec<DVec3> = cells
@@ -277,6 +176,8 @@ impl Seen {
         let most_taken = cavities(solids, &close);
         // A coordinate of 1 would choose no cell.
         let at = |k: usize| (k as f64 / EDGE as f64).min(1.0 - 1e-7);
+        let is_cut = |body: &u32| cells.iter().any(|cell| solids.cuts(*body, cell.body));
+        let by_cuts = by_cuts && close.iter().any(is_cut);
         let mut close: Vec<(u32, Option<Near>)> =
             (close.into_iter().map(|body| (body, None))).collect();
         let mut is_open = |place: [usize; 2]| {
@@ -285,8 +186,8 @@ impl Seen {
             for number in 0..close.len() {
                 let (body, near) = &mut close[number];
                 let near = near.get_or_insert_with(|| solids.near(*body, corners()));
-                let depth = near.depth(point, own);
-                sum += depth;
+                sum += near.depth(point, own);
+                sum += i32::from(by_cuts && near.cuts(point, own));
                 if sum > most_taken {
                     // What buries a point mostly buries those beside it.
                     close[..=number].rotate_right(1);
@@ -310,6 +211,9 @@ impl Seen {
         let mut kept: Vec<usize> = (0..EDGE * EDGE)
             .filter(|&stratum| open_corners(stratum) == 4)
             .collect();
+        if kept.is_empty() && by_cuts {
+            return Self::of(cells, whole, solids, (near, reach), false);
+        }
         if kept.is_empty() {
             return Self::NONE;
         }

@@ -8,14 +8,21 @@ use scene::around;
 
 impl Solids {
     /// True where a body counts the same at all points of triangles of `own`: a solid does not bury itself, and a
-    /// ground or a room buries what is rooted in it alone.
+    /// ground or a room buries what is rooted in it alone, and cuts what it cuts.
     pub fn spares(&self, body: u32, own: Option<u32>) -> bool {
         match &self.bodies[body as usize].inside {
             Inside::Solid => own == Some(body),
             Inside::Cavity => false,
             Inside::Room | Inside::Nothing => true,
-            Inside::Behind(rooted) | Inside::Around(rooted) => !is_among(rooted, own),
+            Inside::Behind(rooted) | Inside::Around(rooted) => {
+                !is_among(rooted, own) && !self.cuts(body, own)
+            }
         }
+    }
+
+    /// True for a ground that cuts the body `own`: see [`Self::cut`].
+    pub fn cuts(&self, body: u32, own: Option<u32>) -> bool {
+        is_among(self.cut(body), own)
     }
 
     /// True where what a body counts may change between these points; false is certain.

@@ -92,6 +92,8 @@ struct Body {
     low: DVec3,
     high: DVec3,
     inside: Inside,
+    /// The bodies that a ground cuts and does not bury, in order.
+    cut: Vec<u32>,
 }
 
 /// How far off its surface a point is tested, per unit of the coordinates: clear of their rounding in the world and in
@@ -196,6 +198,7 @@ impl Solids {
                     low,
                     high,
                     inside: Inside::Solid,
+                    cut: Vec::new(),
                 });
             }
         }
@@ -310,6 +313,12 @@ impl Solids {
     /// The bodies for which alone a ground or a room buries, in order; nothing for other bodies.
     pub fn rooted(&self, body: u32) -> &[u32] {
         self.bodies[body as usize].inside.rooted().unwrap_or(&[])
+    }
+
+    /// The bodies that a ground cuts and does not bury, in order: one may look at what lies behind it, but not at both
+    /// parts of a texel that it divides.
+    pub fn cut(&self, body: u32) -> &[u32] {
+        &self.bodies[body as usize].cut
     }
 
     /// All rooms, where something is rooted in one: what buries outside of a room asks the others too.

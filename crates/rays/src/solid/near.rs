@@ -31,17 +31,26 @@ impl Near<'_> {
     /// As [`Solids::depth`]; soon known of points in the box.
     pub fn depth(&mut self, point: DVec3, own: Option<u32>) -> i32 {
         let solids = self.solids;
-        solids.depth_by(self.body, point, own, |of| match solids.surface(of).front {
-            Some(_) => {
-                let far = |local, front| solids.tree(of).height(&solids.scene, local, front);
-                let height = |local, front| match self.has(local) {
-                    true => height_over(&self.sheet, local, front),
-                    false => far(local, front),
-                };
-                solids.holds_by(of, point, (height, |_| 0))
-            }
-            None => solids.holds_by(of, point, (|_, _| None, |local| self.winding(of, local))),
-        })
+        solids.depth_by(self.body, point, own, |_| self.holds(point))
+    }
+
+    /// True where a point of a body that it cuts lies behind it.
+    pub fn cuts(&mut self, point: DVec3, own: Option<u32>) -> bool {
+        self.solids.cuts(self.body, own) && self.holds(point)
+    }
+
+    fn holds(&mut self, point: DVec3) -> bool {
+        let solids = self.solids;
+        let of = &solids.bodies[self.body as usize];
+        if solids.surface(of).front.is_none() {
+            let winding = |local| self.winding(of, local);
+            return solids.holds_by(of, point, (|_, _| None, winding));
+        }
+        let height = |local, front| match self.has(local) {
+            true => height_over(&self.sheet, local, front),
+            false => solids.tree(of).height(&solids.scene, local, front),
+        };
+        solids.holds_by(of, point, (height, |_| 0))
     }
 
     /// True for a point in the box.

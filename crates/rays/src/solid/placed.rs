@@ -235,6 +235,7 @@ impl Solids {
             low,
             high,
             inside: Inside::Nothing,
+            cut: Vec::new(),
         });
         self.placements.insert(key, body);
         body

@@ -14,6 +14,9 @@
 //!   is not small beside that part. So no column is buried by the floor of the next storey, and a fish lays no shore
 //!   open.
 //!
+//! A sheet that is not rooted only since the ground ends over it is *cut*: one may look at its part behind, but a texel
+//! through which the ground goes is of the part before it, or the sea had a dark rim along its shore.
+//!
 //! The part behind is buried, for this surface alone. But a ground that has something else behind it which does not
 //! cross it, and is not small beside it, is none: people stand under an awning, and see what it is fastened to.
 
@@ -50,6 +53,16 @@ const OPEN_OUT: f64 = 1.25;
 /// Placement and number of a surface.
 type Key = (u32, u32);
 
+/// How a ground lies over a sheet.
+#[derive(PartialEq, Eq)]
+enum Alike {
+    /// They look elsewhere, or one may look from beside them.
+    No,
+    /// It ends over it.
+    Ends,
+    Covers,
+}
+
 /// Sheets that go on in one another.
 struct Ground {
     /// Their numbers, in order.
@@ -85,12 +98,17 @@ impl Solids {
     /// Finds the grounds of a scene and what is rooted in them, and makes bodies of both.
     pub(super) fn root(&mut self) {
         let found = self.rooted_in_grounds();
-        for (sheet, rooted) in found {
-            let mut members: Vec<u32> = rooted.into_iter().map(|key| self.body_of(key)).collect();
-            members.sort_unstable();
+        for (sheet, held) in found {
+            let [members, cut] = held.map(|keys| {
+                let mut bodies: Vec<u32> = keys.into_iter().map(|key| self.body_of(key)).collect();
+                bodies.sort_unstable();
+                bodies
+            });
             let sheet = self.body_of(sheet);
             self.widen(sheet, &members);
-            self.bodies[sheet as usize].inside = Inside::Behind(members);
+            self.widen(sheet, &cut);
+            let body = &mut self.bodies[sheet as usize];
+            (body.inside, body.cut) = (Inside::Behind(members), cut);
         }
     }
 
@@ -104,8 +122,8 @@ impl Solids {
         stand.front > stand.least
     }
 
-    /// By sheet, what is rooted in it: placements and numbers of surfaces.
-    fn rooted_in_grounds(&self) -> BTreeMap<Key, Vec<Key>> {
+    /// By sheet, what is rooted in it and what it cuts: placements and numbers of surfaces.
+    fn rooted_in_grounds(&self) -> BTreeMap<Key, [Vec<Key>; 2]> {
         let placed = self.placed_surfaces();
         let all = PlacedTree::of(placed.iter().collect());
         let sheets = sheets(&all);
@@ -165,7 +183,7 @@ impl Solids {
         groups.into_values().map(ground).collect()
     }
 
-    /// The sheets of a ground with what is rooted in each; none where it is no ground, or nothing is.
+    /// The sheets of a ground with what is rooted in each and what it cuts; none where it is no ground, or nothing is.
     ///
     /// * `sizes`: by the place in the list, the size of what a surface is part of.
     fn rooted_in(
@@ -175,7 +193,7 @@ impl Solids {
         all: &PlacedTree,
         sheets: &[Sheet],
         sizes: &[f64],
-    ) -> Vec<(Key, Vec<Key>)> {
+    ) -> Vec<(Key, [Vec<Key>; 2])> {
         let members = || ground.sheets.iter().map(|&sheet| &sheets[sheet]);
         let own: BTreeSet<Key> = members().map(|sheet| placed[sheet.place].key).collect();
         let pairs = members().flat_map(|sheet| {
@@ -237,7 +255,7 @@ impl Solids {
                 false => (stand.crosses(), OPEN_OUT),
             };
             // Who sees the front of both sees nothing that is behind either.
-            if meets && self.covers_alike(ground, (sheets, all), other) {
+            if meets && self.covers_alike(ground, (sheets, all), other) == Alike::Covers {
                 return true;
             }
             let stands_out = stand.front >= out * stand.behind
@@ -259,7 +277,15 @@ impl Solids {
             .filter(|(other, stand)| is_rooted(&placed[**other], stand))
             .map(|(&other, _)| other)
             .collect();
-        if rooted.is_empty() {
+        let is_cut = |other: &usize, stand: &Stand| {
+            let covers = || self.covers_alike(ground, (sheets, all), &placed[*other]);
+            !rooted.contains(other) && stand.crosses() && covers() == Alike::Ends
+        };
+        let cut: BTreeSet<usize> = (stands.iter())
+            .filter(|(other, stand)| is_cut(other, stand))
+            .map(|(&other, _)| other)
+            .collect();
+        if rooted.is_empty() && cut.is_empty() {
             return Vec::new();
         }
         let is_bare = |sheet: &Sheet| {
@@ -278,23 +304,28 @@ impl Solids {
         }
         let of = |sheet: &Sheet| {
             let of = &placed[sheet.place];
-            let near = sheet.near.iter().map(|&other| other as usize);
-            let near = near.filter(|other| rooted.contains(other) && is_near(of, &placed[*other]));
-            let mut keys: Vec<Key> = near.map(|other| placed[other].key).collect();
-            keys.sort_unstable();
-            (of.key, keys)
+            let near = || sheet.near.iter().map(|&other| other as usize);
+            let held = [&rooted, &cut].map(|held| {
+                let near = near().filter(|other| held.contains(other));
+                let near = near.filter(|other| is_near(of, &placed[*other]));
+                let mut keys: Vec<Key> = near.map(|other| placed[other].key).collect();
+                keys.sort_unstable();
+                keys
+            });
+            (of.key, held)
         };
         let each = members().map(of);
-        each.filter(|(_, rooted)| !rooted.is_empty()).collect()
+        let holds_any = |(_, held): &(Key, [Vec<Key>; 2])| held.iter().any(|keys| !keys.is_empty());
+        each.filter(holds_any).collect()
     }
 
-    /// True where a sheet looks as a ground does, and the ground ends nowhere over it, where one could look in between.
+    /// Whether a sheet looks as a ground does, and whether that ends over it somewhere, where one could look in between.
     fn covers_alike(
         &self,
         ground: &Ground,
         (sheets, all): (&[Sheet], &PlacedTree),
         other: &Placed,
-    ) -> bool {
+    ) -> Alike {
         let members = || {
             ground
                 .sheets
@@ -341,7 +372,13 @@ impl Solids {
                 is_large && next.surface.front.is_some() && !looks_alike(sheet, next)
             })
         };
-        members().all(|sheet| looks_alike(sheet, other) && !stands_up(sheet) && !hangs(sheet))
+        if !members().all(|sheet| looks_alike(sheet, other) && !stands_up(sheet)) {
+            return Alike::No;
+        }
+        match members().any(hangs) {
+            true => Alike::Ends,
+            false => Alike::Covers,
+        }
     }
 
     /// True where all of a surface lies in the plane of a flat sheet.

@@ -115,6 +115,32 @@ fn of_land_and_sea_each_is_buried_behind_the_other_however_high_the_sea() {
 }
 
 #[test]
+fn a_sea_beyond_the_end_of_the_land_is_cut_along_the_shore_and_kept_under_it() {
+    // The land ends 1.6 above the sea, and one looks under it there; a smaller sea is buried.
+    for (half, expected) in [(9.0, [false, true]), (3.9, [true, false])] {
+        let solids = solids(vec![slope(0.4, 0.0), level(0.03, half)]);
+        let (land, sea) = (solids.own(0, 0), solids.own(1, 0));
+        let land_body = land.expect("the land is a ground");
+        let is_held = [solids.rooted(land_body), solids.cut(land_body)]
+            .map(|held| held.contains(&sea.expect("the sea is a body")));
+        assert_eq!(is_held, expected, "{half}");
+        // The land itself ends in the sea.
+        let sea_body = sea.expect("the sea is a body");
+        assert!(half < 4.0 || solids.rooted(sea_body).contains(&land_body));
+        let ends = [DVec3::new(-1.0, 0.0, -1.0), DVec3::new(1.0, 0.0, 1.0)];
+        let mut near = solids.near(land_body, ends.into_iter());
+        for (x, is_behind) in [(-0.5, false), (0.5, true)] {
+            let point = DVec3::new(x, 0.03, 0.2);
+            let found = [near.depth(point, sea) > 0, near.cuts(point, sea)];
+            assert_eq!(found, expected.map(|is| is && is_behind), "{half} {x}");
+        }
+    }
+    // Of a bridge over a valley that it does not meet nothing is cut.
+    let valley = solids(vec![level(1.0, 2.0), level(0.0, 9.0)]);
+    assert!((0..valley.bodies()).all(|body| valley.cut(body).is_empty()));
+}
+
+#[test]
 fn a_sea_of_which_no_corner_is_near_an_island_is_buried_in_it() {
     let at = Vec3::new(15.0, 0.0, 9.0);
     let corners = [(-4.0, -4.0), (4.0, -4.0), (4.0, 4.0), (-4.0, 4.0)];
