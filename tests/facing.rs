@@ -253,3 +253,76 @@ fn a_box_in_the_open_is_light_whichever_way_normals_of_some_sides_point() {
         );
     }
 }
+
+/// The mean of the diffuse term over the overhanging face of the ledge below, by a sum over its points and over
+/// directions. Its shading normal, up, mirrored in the face is x; directions about that which point into the face are
+/// mirrored in it too. The lower terrace alone stands before the face.
+fn overhang() -> f64 {
+    const POINTS: usize = 24;
+    const RAYS: usize = 96;
+    let middle = |k: usize, count: usize| (k as f64 + 0.5) / count as f64;
+    let half = 0.5f64.sqrt();
+    let (mut open, mut all) = (0, 0);
+    for (i, j) in (0..POINTS * POINTS).map(|k| (k / POINTS, k % POINTS)) {
+        let [x, z] = [-0.6 * middle(i, POINTS), 4.0 * middle(j, POINTS) - 2.0];
+        for (k, l) in (0..RAYS * RAYS).map(|k| (k / RAYS, k % RAYS)) {
+            let (sine, turn) = (
+                middle(k, RAYS).sqrt(),
+                std::f64::consts::TAU * middle(l, RAYS),
+            );
+            let mut way = [
+                (1.0 - sine * sine).sqrt(),
+                sine * turn.cos(),
+                sine * turn.sin(),
+            ];
+            let behind = half * (way[0] - way[1]);
+            if behind < 0.0 {
+                way[0] -= 2.0 * half * behind;
+                way[1] += 2.0 * half * behind;
+            }
+            // A point of the face is as low as it lies to the left.
+            let far = (-0.6 - x) / way[1];
+            let [on_x, on_z] = [x + far * way[0], z + far * way[2]];
+            let is_stopped = way[1] < 0.0 && (-0.6..=2.5).contains(&on_x) && on_z.abs() <= 2.0;
+            open += u32::from(!is_stopped);
+            all += 1;
+        }
+    }
+    f64::from(open) / f64::from(all)
+}
+
+#[test]
+fn an_overhang_of_a_smooth_ledge_is_baked_on_the_side_that_is_seen() {
+    let mut text = String::from("o ledge\nvn 0 1 0\n");
+    for [x, y] in [[-2.0, 0.0], [0.0, 0.0], [-0.6, -0.6], [2.5, -0.6]] {
+        text += &format!("v {x} {y} -2\nv {x} {y} 2\n");
+    }
+    for k in [1, 3, 5] {
+        text += &format!("f {}//1 {}//1 {}//1 {}//1\n", k, k + 1, k + 3, k + 2);
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("ledge.obj");
+    std::fs::write(&path, text).expect("a file");
+    let words = ["--size=128", "--layers=geometric", "--seams=off"];
+    let (_out, page) = bake(&path, &words);
+    let [across, down, value, coverage] =
+        ["geometric.X", "geometric.Y", "diffuse", "coverage"].map(|layer| page.plane(layer));
+    let (mut sum, mut area) = (0.0, 0.0);
+    for k in (0..value.len()).filter(|&k| across[k].abs() > 0.7 && coverage[k] > 0.0) {
+        assert!(
+            across[k] > 0.0 && down[k] < 0.0,
+            "{} {}",
+            across[k],
+            down[k]
+        );
+        sum += f64::from(value[k]) * f64::from(coverage[k]);
+        area += f64::from(coverage[k]);
+    }
+    let (found, expected) = (sum / area, overhang());
+    assert!(area > 500.0, "{area}");
+    // Its other side sees a few hundredths of the sky.
+    assert!(
+        (found / expected - 1.0).abs() < 0.02,
+        "{found}, not {expected}"
+    );
+}

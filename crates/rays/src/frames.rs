@@ -51,7 +51,10 @@ impl<'a, F: Fn(u32, u32) -> [Vec2; 3]> Frames<'a, F> {
         // As normal maps are read: bent in the mesh's space, then carried into the world.
         let own = part.fetch_normal(direction).normalize_or_zero();
         // A back is drawn with all of the frame reversed.
-        let own = self.world.on_lit_side(own, instance, triangle);
+        let own = match self.world.reverses(instance, triangle) {
+            true => -own,
+            false => own,
+        };
         DVec3::new(own.dot(tangent), own.dot(bitangent), own.dot(normal))
     }
 }

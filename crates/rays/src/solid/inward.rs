@@ -11,9 +11,9 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 type Key = (u32, u32);
 
 /// How a triangle's normals stand to its winding.
-struct Lean {
+pub(super) struct Lean {
     /// Its area, below 0 where they lean to the other side, all in all.
-    area: f64,
+    pub area: f64,
     /// All three do.
     is_whole: bool,
 }
@@ -104,19 +104,15 @@ impl Solids {
 
     /// Triangles of each mesh, ascending, whose normals point to the other side than the one that is lit, wherever
     /// they are placed. Where a surface looks one way all over by its winding, as a sheet, a body or a room does, and
-    /// most of its normals agree, these are the triangles of which all three do not: the smooth normals of a coarse
-    /// body lean behind its steepest faces. Where most point the other way, those of bodies that look outward, are no
-    /// rooms and have none of these places in them.
+    /// most of its normals agree, these are the triangles of which all three do not and that are no folds: the smooth
+    /// normals of a coarse body lean behind its steepest faces. Where most point the other way, those of bodies that
+    /// look outward, are no rooms and have none of these places in them.
     pub fn averse(&self, places: &[DVec3]) -> Vec<(u32, Vec<u32>)> {
-        let mut leans: HashMap<u32, Vec<Lean>> = HashMap::new();
-        for instance in &self.scene.instances {
-            let mesh = instance.mesh;
-            leans.entry(mesh).or_insert_with(|| self.leans(mesh));
-        }
-        leans.retain(|_, leans| leans.iter().any(|lean| lean.area < 0.0));
+        let leans = self.all_leans();
         if leans.is_empty() {
             return Vec::new();
         }
+        let folds: HashMap<u32, Vec<u32>> = self.folds().into_iter().collect();
         let placed = self.placed_surfaces();
         let all = PlacedTree::of(placed.iter().collect());
         let is_body = |of: &Placed| {
@@ -138,22 +134,38 @@ impl Solids {
             for (surface, lean) in surfaces.iter().zip(leans) {
                 *sums.entry(*surface).or_default() += lean.area;
             }
-            let is_averse = |(surface, lean): (&u32, &Lean)| {
+            let folds = folds.get(&instance.mesh).map_or(&[][..], |of| &of[..]);
+            let is_averse = |(triangle, (surface, lean)): (u32, (&u32, &Lean))| {
                 let key = (placement, *surface);
                 let is_body = || of_keys.get(&key).is_some_and(|of| is_body(of));
                 let of = &self.shapes[shape as usize].surfaces[*surface as usize];
                 let looks_one_way = of.front.is_some() || of.content() != 0.0 && !of.tangled;
                 // Most normals agree with a winding that is one and the same all over the surface, or none is right.
                 lean.area < 0.0
+                    && folds.binary_search(&triangle).is_err()
                     && match sums[surface] < 0.0 {
                         false => lean.is_whole && looks_one_way,
                         true => *is_known.entry(key).or_insert_with(is_body),
                     }
             };
-            let marks = surfaces.iter().zip(leans).map(is_averse).collect();
+            let marks = (0..)
+                .zip(surfaces.iter().zip(leans))
+                .map(is_averse)
+                .collect();
             Some((instance.mesh, marks))
         });
         by_mesh(averse)
+    }
+
+    /// How the normals of the triangles of each placed mesh lean; of those alone of which some lean to the other side.
+    pub(super) fn all_leans(&self) -> HashMap<u32, Vec<Lean>> {
+        let mut leans: HashMap<u32, Vec<Lean>> = HashMap::new();
+        for instance in &self.scene.instances {
+            let mesh = instance.mesh;
+            leans.entry(mesh).or_insert_with(|| self.leans(mesh));
+        }
+        leans.retain(|_, leans| leans.iter().any(|lean| lean.area < 0.0));
+        leans
     }
 
     /// How the normals of a mesh's triangles lean.
@@ -250,7 +262,7 @@ impl Solids {
 }
 
 /// By mesh the triangles that are marked wherever it stands, both ascending.
-fn by_mesh(marked: impl Iterator<Item = (u32, Vec<bool>)>) -> Vec<(u32, Vec<u32>)> {
+pub(super) fn by_mesh(marked: impl Iterator<Item = (u32, Vec<bool>)>) -> Vec<(u32, Vec<u32>)> {
     let mut found: BTreeMap<u32, Vec<bool>> = BTreeMap::new();
     for (mesh, marks) in marked {
         let known = found.entry(mesh).or_insert_with(|| vec![true; marks.len()]);

@@ -27,6 +27,7 @@ mod about;
 mod blind;
 mod covers;
 mod depth;
+mod fold;
 mod ground;
 mod inward;
 mod level;

@@ -2,6 +2,7 @@
 
 mod blinds;
 mod cliffs;
+mod folds;
 mod grounds;
 mod rooms;
 mod tiles;

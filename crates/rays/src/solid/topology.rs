@@ -94,10 +94,10 @@ impl Surface {
 }
 
 /// The edge between two corners, the lesser first; the face, and whether it runs through it from the greater.
-type Edge = (u64, u32);
+pub(super) type Edge = (u64, u32);
 
 /// All edges of faces whose corners have these numbers, sorted.
-fn edges_of(welded: &[[u32; 3]]) -> Vec<Edge> {
+pub(super) fn edges_of(welded: &[[u32; 3]]) -> Vec<Edge> {
     let mut edges: Vec<Edge> = Vec::with_capacity(3 * welded.len());
     for (index, [a, b, c]) in welded.iter().copied().enumerate() {
         if a == b || b == c || c == a {

@@ -17,8 +17,9 @@ use crate::origin::brought_near;
 use crate::part::Part;
 use crate::solid::Solids;
 use glam::{DAffine3, DVec3};
+use lit::Triangles;
 use scene::Scene;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
 /// How a [`World`] is built.
@@ -53,9 +54,11 @@ pub struct World {
     origin: DVec3,
     normal_maps: Option<NormalMaps>,
     /// By mesh, the triangles whose back is lit; see [`World::turn_over`].
-    backs: HashMap<u32, HashSet<u32>>,
+    backs: Triangles,
     /// By mesh, the triangles whose normals alone point to the other side; see [`World::turn_over`].
-    averse: HashMap<u32, HashSet<u32>>,
+    averse: Triangles,
+    /// By mesh, the triangles of folds, which keep the side of their winding; see [`World::turn_over`].
+    folds: Triangles,
     /// See [`World::solids`].
     solids: OnceLock<Solids>,
     /// See [`World::has_panes`].
@@ -118,6 +121,7 @@ impl World {
             normal_maps: None,
             backs: HashMap::new(),
             averse: HashMap::new(),
+            folds: HashMap::new(),
             solids: OnceLock::new(),
             panes,
             tinted,
