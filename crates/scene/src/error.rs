@@ -40,11 +40,13 @@ pub enum Error {
         /// The file.
         path: PathBuf,
     },
-    /// Neither the content nor the ending tells what the file is.
-    #[error("{} is no scene file that is known by its ending; rename it to .obj, .gltf or .glb", path.display())]
+    /// The file is no scene file that can be read, by its content or by its ending.
+    #[error("{} is {what}", path.display())]
     UnknownFormat {
         /// The file.
         path: PathBuf,
+        /// What it is, and what to do.
+        what: &'static str,
     },
     /// This build has no reader of such files.
     #[error("{}: this program was built without a reader of such files; build it with the feature `obj` or `gltf` of ambake", path.display())]

@@ -32,6 +32,8 @@ mod document;
 mod edited;
 mod error;
 pub mod far;
+#[cfg(feature = "files")]
+mod foreign;
 #[cfg(feature = "gltf")]
 mod gltf;
 #[cfg(feature = "files")]

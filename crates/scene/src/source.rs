@@ -1,5 +1,6 @@
 //! Reads the bytes of a scene: the main file and the files it names, all of them hashed in the order they are read.
 
+use crate::foreign;
 use crate::input::{Files, Input, short};
 use crate::{Error, Format, WarningKind};
 use base64::Engine;
@@ -30,6 +31,12 @@ impl Input {
     /// * `announced`: how many bytes the scene says that it has; 0 where it says nothing.
     pub fn read(&mut self, path: &Path, announced: u64) -> Result<Vec<u8>, Error> {
         let bytes = self.read_unhashed(path, announced)?;
+        if foreign::is_pointer(&bytes) {
+            return Err(Error::UnknownFormat {
+                path: path.into(),
+                what: foreign::POINTER,
+            });
+        }
         self.hasher.update(&bytes);
         self.files.push(path.to_owned());
         Ok(bytes)
@@ -183,10 +190,12 @@ pub(crate) fn open(path: &Path) -> Result<File, Error> {
     File::open(path).map_err(read)
 }
 
-/// What a file is: GLB by its first bytes, the rest by the ending.
+/// What a file is: GLB by its first bytes, which also tell what is none of ours, the rest by the ending.
 pub(crate) fn format_of(path: &Path) -> Result<Format, Error> {
     let mut start = Vec::new();
-    let read = open(path)?.take(4).read_to_end(&mut start);
+    let read = open(path)?
+        .take(foreign::LOOKED_AT as u64)
+        .read_to_end(&mut start);
     read.map_err(|cause| Error::Read {
         path: path.into(),
         cause,
@@ -194,7 +203,7 @@ pub(crate) fn format_of(path: &Path) -> Result<Format, Error> {
     if start.is_empty() {
         return Err(Error::Empty { path: path.into() });
     }
-    if start == b"glTF" {
+    if start.starts_with(b"glTF") {
         return Ok(Format::Glb);
     }
     let ending = path
@@ -202,7 +211,17 @@ pub(crate) fn format_of(path: &Path) -> Result<Format, Error> {
         .and_then(|e| e.to_str())
         .unwrap_or("")
         .to_ascii_lowercase();
+    let unknown = |what| {
+        Err(Error::UnknownFormat {
+            path: path.into(),
+            what,
+        })
+    };
+    if let Some(what) = foreign::by_content(&start, &ending) {
+        return unknown(what);
+    }
     match ending.as_str() {
+        "obj" | "glb" if foreign::is_gltf(&start) => unknown(foreign::by_ending("", &start)),
         "obj" => Ok(Format::Obj),
         "gltf" => Ok(Format::Gltf),
         "glb" => Err(Error::Invalid {
@@ -210,7 +229,7 @@ pub(crate) fn format_of(path: &Path) -> Result<Format, Error> {
             place: "byte 0".into(),
             problem: "a GLB file starts with `glTF`, this one does not; check what wrote it".into(),
         }),
-        _ => Err(Error::UnknownFormat { path: path.into() }),
+        ending => unknown(foreign::by_ending(ending, &start)),
     }
 }
 

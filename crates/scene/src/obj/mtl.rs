@@ -68,7 +68,15 @@ pub(super) fn load(
             );
             continue;
         }
-        let bytes = input.read(&path, 0)?;
+        let bytes = match input.read(&path, 0) {
+            Err(error @ Error::UnknownFormat { .. }) => {
+                let place = path.display().to_string();
+                let message = format!("{error}; materials from it are not known");
+                input.warn(WarningKind::MissingMaterialLibraries, place, 1, message);
+                continue;
+            }
+            bytes => bytes?,
+        };
         for mut raw in parsed(input, &path, &bytes) {
             if known.contains_key(&raw.name) || !used.contains(raw.name.as_str()) {
                 continue;

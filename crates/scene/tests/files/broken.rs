@@ -27,6 +27,95 @@ fn edited(needle: &str, edit: impl FnOnce(&mut Document)) {
 }
 
 #[test]
+fn files_of_other_formats_and_under_other_names_are_told_what_they_are() {
+    let pointer = "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345678\n";
+    let page = "\n<!DOCTYPE html>\n<html><body>Not found</body></html>";
+    let gltf = r#"{"asset": {"version": "2.0"}}"#;
+    let folder = Folder::new();
+    for (name, content, words) in [
+        // What a clone without Git LFS holds.
+        ("a.obj", pointer, &["Git LFS pointer", "git lfs pull"][..]),
+        ("a.gltf", pointer, &["Git LFS pointer", "git lfs pull"]),
+        ("a.glb", pointer, &["Git LFS pointer", "git lfs pull"]),
+        ("a.fbx", pointer, &["Git LFS pointer", "git lfs pull"]),
+        ("a.obj", page, &["web page"]),
+        ("a.glb", page, &["web page"]),
+        // Other formats, under their own names and under ours.
+        ("a.fbx", "Kaydara FBX Binary  \0", &["FBX", "export glTF"]),
+        ("a.glb", "Kaydara FBX Binary  \0", &["FBX", "export glTF"]),
+        ("a.obj", "; FBX 7.4.0 project file", &["FBX", "export glTF"]),
+        ("a.blend", "BLENDER-v300", &["Blender", "export glTF"]),
+        ("a.blend", "\u{1f}", &["Blender", "export glTF"]),
+        ("a.ply", "ply\nformat ascii 1.0\n", &["PLY", "export glTF"]),
+        ("a.stl", "solid x\n", &["not read", "export glTF"]),
+        (
+            "a.dae",
+            "<?xml version=\"1.0\"?><COLLADA/>",
+            &["COLLADA", "export glTF"],
+        ),
+        ("a.usdz", "PK\u{3}\u{4}", &["USD", "export glTF"]),
+        ("a.zip", "PK\u{3}\u{4}", &["ZIP archive", "unpack it"]),
+        (
+            "a.skp",
+            "SketchUp",
+            &["neither OBJ nor glTF", "export glTF"],
+        ),
+        ("a.mtl", "newmtl a\n", &["materials", ".obj"]),
+        // Only what is ours helps by another name.
+        (
+            "a.txt",
+            "# a\nv 0 0 0\n",
+            &["OBJ by its content", "rename it to .obj"],
+        ),
+        (
+            "a.json",
+            gltf,
+            &["glTF by its content", "rename it to .gltf"],
+        ),
+        (
+            "a.glb",
+            gltf,
+            &["glTF by its content", "rename it to .gltf"],
+        ),
+        (
+            "a.obj",
+            gltf,
+            &["glTF by its content", "rename it to .gltf"],
+        ),
+    ] {
+        for word in words {
+            refused(folder.load(name, content), word);
+        }
+        let said = folder.load(name, content).expect_err(name).to_string();
+        let renames = said.contains("rename");
+        assert_eq!(renames, words.concat().contains("rename"), "{said}");
+        assert!(said.contains(name), "{said}");
+    }
+    refused(folder.load("a.obj", [0x1f, 0x8b, 8, 8]), "unpack it");
+
+    // Files that a scene names.
+    folder.write("b.bin", pointer);
+    let document = json!({
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}], "buffers": [{"uri": "b.bin", "byteLength": 36}],
+    });
+    refused(
+        folder.load("b.gltf", document.to_string()),
+        "b.bin is a Git LFS pointer",
+    );
+    folder.write("b.mtl", pointer);
+    let text = "mtllib b.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n";
+    let scene = folder.load("b.obj", text).expect("a triangle");
+    let told = scene
+        .warnings
+        .iter()
+        .any(|of| of.message.contains("git lfs pull"));
+    assert!(told, "{:?}", scene.warnings);
+}
+
+#[test]
 fn files_that_are_none() {
     let folder = Folder::new();
     let path = folder.write("a.obj", "");
@@ -38,10 +127,6 @@ fn files_that_are_none() {
     refused(
         ambake_scene::load(&path.with_file_name("gone.obj")),
         "cannot read",
-    );
-    refused(
-        folder.load("a.txt", "v 0 0 0"),
-        "rename it to .obj, .gltf or .glb",
     );
     refused(folder.load("a.glb", "v 0 0 0"), "starts with `glTF`");
     refused(folder.load("a.gltf", "{}"), "asset");
