@@ -56,6 +56,7 @@ use spots::{Reach, Spots};
 use std::convert::Infallible;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
 
 /// Independent sets of a texel's gathers: more than its first rays have, because fewer neighbours share what their
 /// spread tells.
@@ -119,8 +120,15 @@ impl Baker<'_> {
         kept: &mut K,
         progress: &dyn Progress,
     ) -> Result<Option<BounceStats>, K::Error> {
+        let started = Instant::now();
         let mut stats = BounceStats::default();
         let layers = self.layers_of_gathers();
+        // Rays of each page: those of gathers whose pages of light are added, and those of the others.
+        let mut shown = vec![0; pages.len()];
+        let mut hidden = shown.clone();
+        let count = |rays: &mut [u64], light: &[LightPage]| {
+            (rays.iter_mut().zip(light)).for_each(|(rays, light)| *rays += light.rays);
+        };
         let lights = self.lights();
         // The gather of the lights comes before all others.
         let first = u32::from(!lights.is_empty());
@@ -139,6 +147,7 @@ impl Baker<'_> {
             {
                 return Ok(None);
             }
+            count(&mut shown, &light);
             for (page, light) in pages.iter_mut().zip(light) {
                 add::add(page, light.finished(self), true);
             }
@@ -170,6 +179,7 @@ impl Baker<'_> {
                     sum.add(gathered, 1.0);
                 }
                 sent = gathered;
+                count(&mut hidden, &light);
                 stats.end_gather(&light);
             }
             if self.options.bounces == Bounces::Auto {
@@ -192,11 +202,16 @@ impl Baker<'_> {
                 return Ok(None);
             }
             stats.end_last(&light);
+            count(&mut shown, &light);
             for (page, light) in pages.iter_mut().zip(light) {
                 add::add(page, light.finished(self), false);
             }
         }
-        for page in pages {
+        let seconds = started.elapsed().as_secs_f64();
+        let all = (shown.iter().chain(&hidden).sum::<u64>() as f64).max(1.0);
+        for ((page, shown), hidden) in pages.iter_mut().zip(shown).zip(hidden) {
+            page.stats.rays += hidden;
+            page.stats.seconds += seconds * (shown + hidden) as f64 / all;
             let asked = |layer| layer == Layer::Coverage || self.options.layers.contains(&layer);
             page.planes.retain(|planes| asked(planes.layer));
         }

@@ -28,6 +28,15 @@ impl KeepGathers for Kept {
     }
 }
 
+/// Rays and seconds of pages.
+fn spent(pages: &[BakedPage]) -> (u64, f64) {
+    let stats = || pages.iter().map(|page| &page.stats);
+    (
+        stats().map(|stats| stats.rays).sum(),
+        stats().map(|stats| stats.seconds).sum(),
+    )
+}
+
 #[test]
 fn gathers_go_on_from_the_tiles_that_were_kept_to_the_same_light() {
     let file = concat!(
@@ -60,7 +69,15 @@ fn gathers_go_on_from_the_tiles_that_were_kept_to_the_same_light() {
         .collect();
     let bounce = |kept: &mut Kept| {
         let mut pages = pages.clone();
+        let before = spent(&pages);
         let stats = baker.bounce(&mut pages, kept, &());
+        let (rays, seconds) = spent(&pages);
+        let added = matches!(&stats, Ok(Some(_)));
+        assert_eq!(seconds > before.1, added, "time is told with the rays");
+        if let Ok(Some(stats)) = &stats {
+            assert_eq!(rays, before.0 + stats.rays, "those of all gathers");
+        }
+        (pages.iter_mut()).for_each(|page| page.stats.seconds = 0.0);
         (stats, pages)
     };
     let mut all = Kept {
@@ -80,7 +97,9 @@ fn gathers_go_on_from_the_tiles_that_were_kept_to_the_same_light() {
     };
     let (ended, left) = bounce(&mut part);
     assert_eq!(ended, Err("full"));
-    assert!(left == pages, "pages stand as they were");
+    let mut before = pages.clone();
+    (before.iter_mut()).for_each(|page| page.stats.seconds = 0.0);
+    assert!(left == before, "pages stand as they were");
     assert_eq!(part.kept.len(), tiles * 3 / 4);
 
     let mut rest = Kept {
