@@ -36,7 +36,7 @@ fn main() -> Result<(), ambake::Error> {
             );
         }
         println!(
-            "error of diffuse: RMSE {:.4}, below {:.4} with 99.9 % confidence",
+            "error of diffuse: RMSE {:.4}, of which rays leave less than {:.4} with 99.9 % confidence",
             page.stats().rmse(),
             page.stats().rmse_bound(),
         );

@@ -246,7 +246,9 @@ fn what_texels_move_by_at_seams_is_in_their_stated_errors() {
     let report = report(folder.path());
     let number = |of: &serde_json::Value, name: &str| of[name].as_f64().expect("a number");
     let moved = number(&report["seams"], "rms_moved");
-    let before = number(&report["pages"][0], "rmse");
+    let before = number(&report["pages"][0], "rmse_rays");
+    let all = number(&report["pages"][0], "rmse");
+    assert!((all / stated - 1.0).abs() < 1e-6, "{all} of {stated}");
     assert!(
         (stated / before.hypot(moved) - 1.0).abs() < 1e-4,
         "{stated} of {before} and {moved}"

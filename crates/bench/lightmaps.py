@@ -34,7 +34,7 @@ def grain(report):
     """Stated root mean square error of the diffuse term over all pages."""
     pages = report["pages"]
     texels = sum(page["texels"] for page in pages)
-    return (sum(page["rmse"] ** 2 * page["texels"] for page in pages) / max(texels, 1)) ** 0.5
+    return (sum(page["rmse_rays"] ** 2 * page["texels"] for page in pages) / max(texels, 1)) ** 0.5
 
 
 def row(scene, plain, denoised):

@@ -29,7 +29,7 @@ def bake(scene, size, *flags):
         report = json.loads((pathlib.Path(folder) / "bake.json").read_text())
     phase = [p for p in report["timings"] if p["phase"] == "bake"][0]
     texels = sum(page["texels"] for page in report["pages"])
-    squares = sum(page["rmse"] ** 2 * page["texels"] for page in report["pages"])
+    squares = sum(page["rmse_rays"] ** 2 * page["texels"] for page in report["pages"])
     rays = sum(page["rays"] for page in report["pages"])
     return math.sqrt(squares / texels), phase.get("cpu_seconds", phase["seconds"]), rays / texels
 

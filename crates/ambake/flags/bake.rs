@@ -108,7 +108,7 @@ pub struct Job {
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = whole::<u32>(1..=16_777_216))]
     pub rays: u32,
     /// Instead of a fixed number: the rays by which the root mean square of a page's standard errors is at most E, tile
-    /// by tile, after denoising
+    /// by tile, after denoising and before seams move texels
     #[arg(help_heading = "Rays")]
     #[arg(long, value_name = "E", value_parser = target_error, conflicts_with = "rays")]
     pub target_error: Option<f64>,

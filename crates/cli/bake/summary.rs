@@ -23,7 +23,11 @@ pub fn summary(report: &BakeReport, verbose: bool, dir: &Path) -> String {
             .sum();
         (sum / texels.max(1) as f64).sqrt()
     };
-    let (rmse, bound) = (mean_square(|p| p.rmse), mean_square(|p| p.rmse_bound));
+    let error = Rmse {
+        all: mean_square(|p| p.rmse),
+        rays: mean_square(|p| p.rmse_rays),
+        bound: mean_square(|p| p.rmse_bound),
+    };
     text += &format!(
         "{}: {}, {}, {} on {} of {}, UVs {}\n",
         report.scene.path,
@@ -48,9 +52,10 @@ pub fn summary(report: &BakeReport, verbose: bool, dir: &Path) -> String {
         .iter()
         .any(|d| d.decision == "diffuse" && d.modelled)
     {
+        let grade = against_target(&report.options, &error).unwrap_or_else(|| error.grade());
         text += &format!(
-            "error of diffuse: RMSE {rmse:.5} (below {bound:.5} with 99.9 % confidence), worst texel {worst:.5}: {}\n",
-            against_target(report, rmse).unwrap_or_else(|| grade(rmse).into())
+            "error of diffuse: {}, worst texel {worst:.5}: {grade}\n",
+            error.text()
         );
     }
     if report
@@ -73,11 +78,11 @@ pub fn summary(report: &BakeReport, verbose: bool, dir: &Path) -> String {
             seams.rms_before,
             seams.max_before,
             seams.rms_moved,
-            match seams.rms_moved > rmse {
+            match seams.rms_moved > error.rays {
                 true => ", more than the rays leave",
                 false => "",
             },
-            steps(seams.rms_after, seams.rms_moved, rmse),
+            steps(seams.rms_after, seams.rms_moved, error.rays),
         );
     }
     if let Some(update) = &report.update {
@@ -122,31 +127,86 @@ fn steps(rms: f64, moved: f64, rmse: f64) -> &'static str {
     }
 }
 
-/// What an error of shares looks like, and what helps.
-/// What an error is beside the target that was set for it; `None` where none was.
-fn against_target(report: &BakeReport, rmse: f64) -> Option<String> {
-    let number = |key: &str| report.options.get(key)?.as_f64();
-    let target = number("target_error")?;
-    Some(match rmse / target - 1.0 {
-        _ if number("target_relative").is_some_and(|share| share > 0.0) => {
-            format!("the target is {target}, or its share of the value")
-        }
-        ..=0.0 => format!("the target is {target}"),
-        above => format!(
-            "{:.0} % above the target of {target}; --target-error {:.5} gets nearer, if --max-rays lets it",
-            (100.0 * above).max(1.0),
-            target * target / rmse,
-        ),
-    })
+/// Root mean square errors of the diffuse term.
+struct Rmse {
+    /// That of the layer `error`.
+    all: f64,
+    /// What of it the rays leave.
+    rays: f64,
+    /// What that stays below with 99.9 % confidence.
+    bound: f64,
 }
 
-fn grade(rmse: f64) -> &'static str {
-    match rmse / STEP {
-        ..0.5 => "good, under half a step of 8 bits",
-        ..1.0 => "fair, under a step of 8 bits; four times the --rays halve it",
-        ..2.0 => "fair, one to two steps of 8 bits; four times the --rays halve it",
-        _ => "grainy; four times the --rays halve it, and --target-error 0.004 is a step of 8 bits",
+impl Rmse {
+    /// What seams add to what the rays leave.
+    fn seams(&self) -> f64 {
+        (self.all.powi(2) - self.rays.powi(2)).max(0.0).sqrt()
     }
+
+    /// Its sizes in words. What is said of the rays holds for all of it only where seams move next to nothing.
+    fn text(&self) -> String {
+        let Self { all, rays, bound } = self;
+        match self.seams() {
+            seams if seams >= 0.1 * rays && seams >= 0.000_005 => format!(
+                "RMSE {all:.5}, of rays {rays:.5} (below {bound:.5} with 99.9 % confidence) and of seams {seams:.5}"
+            ),
+            _ => format!("RMSE {all:.5} (below {bound:.5} with 99.9 % confidence)"),
+        }
+    }
+
+    /// What lowers it: more rays, as long as what seams move is no larger part; if that is no small one, more texels.
+    fn remedy(&self) -> &'static str {
+        match self.seams() / self.rays.max(f64::MIN_POSITIVE) {
+            ..0.34 => "four times the --rays halve it",
+            ..1.0 => {
+                "four times the --rays halve that of rays, a larger --size lowers that of seams"
+            }
+            _ => "a larger --size lowers it",
+        }
+    }
+
+    /// What it looks like, and what helps.
+    fn grade(&self) -> String {
+        let steps = match self.all / STEP {
+            ..0.5 => return "good, under half a step of 8 bits".into(),
+            ..1.0 => "fair, under a step of 8 bits",
+            ..2.0 => "fair, one to two steps of 8 bits",
+            _ if self.seams() > self.rays => "coarse",
+            _ => {
+                let remedy = self.remedy();
+                return format!("grainy; {remedy}, and --target-error 0.004 is a step of 8 bits");
+            }
+        };
+        format!("{steps}; {}", self.remedy())
+    }
+}
+
+/// What the error that the rays leave is beside the target that was set for it; `None` where none was.
+fn against_target(
+    options: &serde_json::Map<String, serde_json::Value>,
+    error: &Rmse,
+) -> Option<String> {
+    let number = |key: &str| options.get(key)?.as_f64();
+    let target = number("target_error")?;
+    if number("target_relative").is_some_and(|share| share > 0.0) {
+        return Some(format!("the target is {target}, or its share of the value"));
+    }
+    let seams = match error.all > target && error.seams() > 0.34 * error.rays {
+        true => "; a larger --size lowers that of seams",
+        false => "",
+    };
+    Some(match error.rays / target - 1.0 {
+        ..=0.0 if seams.is_empty() => format!("the target is {target}"),
+        ..=0.0 => format!("the target of {target} is that of rays{seams}"),
+        above => {
+            let (above, nearer) = ((100.0 * above).max(1.0), target * target / error.rays);
+            let rays = if seams.is_empty() { "" } else { "rays " };
+            format!(
+                "{rays}{above:.0} % above the target of {target}; --target-error {nearer:.5} gets nearer, \
+                 if --max-rays lets it{seams}"
+            )
+        }
+    })
 }
 
 /// The line of the error of the irradiance, as a radiance, beside the mean of it where that is known.
@@ -281,20 +341,68 @@ mod tests {
         assert_eq!(lines(&mixed), "warning: x (2 places: scene, node 3)\n");
         assert_eq!(lines(&mixed[..1]), "warning: x (scene)\n");
     }
+
+    fn rmse(rays: f64, seams: f64) -> Rmse {
+        Rmse {
+            all: rays.hypot(seams),
+            rays,
+            bound: 1.1 * rays,
+        }
+    }
+
     #[test]
     fn an_error_is_graded_by_steps_of_8_bits() {
         // Half a step is 0.00196, one 0.00392, two 0.00784.
-        for (rmse, words) in [
+        for (error, words) in [
             (0.0, "good, under half a step"),
             (0.0019, "good, under half a step"),
             (0.002, "fair, under a step"),
             (0.0039, "fair, under a step"),
             (0.004, "fair, one to two steps"),
             (0.0078, "fair, one to two steps"),
-            (0.008, "grainy;"),
-            (1.0, "grainy;"),
+            (0.008, "grainy; four times the --rays halve it, and"),
+            (1.0, "grainy; four times the --rays halve it, and"),
         ] {
-            assert!(grade(rmse).starts_with(words), "{rmse}: {}", grade(rmse));
+            let said = rmse(error, 0.0).grade();
+            assert!(said.starts_with(words), "{error}: {said}");
         }
+    }
+
+    #[test]
+    fn an_error_of_seams_is_counted_and_no_rays_are_advised_against_it() {
+        // 0.010_73 and 0.022_3 are 0.024_75 together.
+        let small_charts = rmse(0.010_73, 0.022_3);
+        assert_eq!(
+            small_charts.text(),
+            "RMSE 0.02475, of rays 0.01073 (below 0.01180 with 99.9 % confidence) and of seams 0.02230"
+        );
+        assert_eq!(small_charts.grade(), "coarse; a larger --size lowers it");
+        assert_eq!(
+            rmse(0.005, 0.003).grade(),
+            "fair, one to two steps of 8 bits; four times the --rays halve that of rays, \
+             a larger --size lowers that of seams"
+        );
+        assert_eq!(
+            rmse(0.005, 0.0001).text(),
+            "RMSE 0.00500 (below 0.00550 with 99.9 % confidence)"
+        );
+        let said = |error: Rmse| {
+            let options = serde_json::json!({"target_error": 0.01});
+            against_target(options.as_object().expect("options"), &error).expect("a target")
+        };
+        assert_eq!(said(rmse(0.0099, 0.0)), "the target is 0.01");
+        assert_eq!(
+            said(rmse(0.0099, 0.02)),
+            "the target of 0.01 is that of rays; a larger --size lowers that of seams"
+        );
+        assert_eq!(
+            said(rmse(0.0108, 0.04)),
+            "rays 8 % above the target of 0.01; --target-error 0.00926 gets nearer, if --max-rays lets it; \
+             a larger --size lowers that of seams"
+        );
+        assert_eq!(
+            said(rmse(0.0108, 0.0)),
+            "8 % above the target of 0.01; --target-error 0.00926 gets nearer, if --max-rays lets it"
+        );
     }
 }

@@ -107,6 +107,12 @@ fn last_steps(page: &mut BakedPage, site: &Site<'_>, terms: &[TermLayers], of_li
         light: of_light,
     });
     let gutters = solve_seams(page, light, terms, joined);
+    if joined.is_some()
+        && !of_light
+        && let Some((errors, light)) = errors_of(page, options)
+    {
+        (page.stats.shown, page.stats.irradiance_squares) = (Some(errors), light);
+    }
     place(page, world.origin());
     fill_gutters(page, options.rings, &gutters);
     keep_sides(page, terms, joined);
@@ -345,9 +351,17 @@ fn fact(page: &BakedPage, layer: Layer, channel: usize) -> &[f32] {
 
 /// Counts the errors of the page as they stand after denoising.
 fn count_errors(page: &mut BakedPage, options: &Options) {
-    let Some(std_errs) = page.layer(Layer::StdErrDiffuse) else {
+    let Some((mut errors, light)) = errors_of(page, options) else {
         return;
     };
+    errors.share(page.stats.errors.squares);
+    page.stats.errors = errors;
+    page.stats.irradiance_squares = light;
+}
+
+/// The errors of diffuse of a page as they stand, and the sum of the squares of those of irradiance.
+fn errors_of(page: &BakedPage, options: &Options) -> Option<(ErrorSums, f64)> {
+    let std_errs = page.layer(Layer::StdErrDiffuse)?;
     let values = fact(page, Layer::Diffuse, 0);
     let mut errors = ErrorSums::default();
     let mut lights = 0.0;
@@ -364,9 +378,7 @@ fn count_errors(page: &mut BakedPage, options: &Options) {
     if options.sky.map().is_none() {
         lights = (options.sky.brightness()).powi(2) * errors.squares;
     }
-    errors.share(page.stats.errors.squares);
-    page.stats.errors = errors;
-    page.stats.irradiance_squares = lights;
+    Some((errors, lights))
 }
 
 /// Fills so many rings of gutter texels of every layer that dilates, and renews the length of directions there. Values

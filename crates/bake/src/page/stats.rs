@@ -15,15 +15,18 @@ pub struct PageStats {
     pub buried: u64,
     /// Area in texels of what cannot be seen.
     pub buried_area: f64,
-    /// Standard errors of diffuse.
+    /// Standard errors of diffuse as the rays and the denoiser leave them.
     pub errors: ErrorSums,
+    /// The same as the page has them in the end, with what seams moved texels by; `None` where they moved none.
+    #[serde(default)]
+    pub shown: Option<ErrorSums>,
     /// Sum of the squared standard error of irradiance.
     pub irradiance_squares: f64,
-    /// Rays spent.
+    /// Rays spent, those of all gathers of bounces and lights included.
     pub rays: u64,
     /// Both sides of seams, once the page is finished.
     pub seams: SeamStats,
-    /// Seconds spent on tiles.
+    /// Seconds spent on tiles, on finishing the page, and on its part of the gathers.
     pub seconds: f64,
 }
 
@@ -99,8 +102,19 @@ impl PageStats {
         self.texels - self.buried
     }
 
-    /// Estimated root mean square error of the diffuse term over the texels that can be seen.
+    /// Standard errors of diffuse as the layer `error` has them.
+    pub fn shown(&self) -> &ErrorSums {
+        self.shown.as_ref().unwrap_or(&self.errors)
+    }
+
+    /// Estimated root mean square error of the diffuse term over the texels that can be seen: that of the layer
+    /// `error`.
     pub fn rmse(&self) -> f64 {
+        (self.shown().squares / self.seen().max(1) as f64).sqrt()
+    }
+
+    /// The part of [`PageStats::rmse`] that rays and denoiser leave, before seams move texels.
+    pub fn rmse_rays(&self) -> f64 {
         (self.errors.squares / self.seen().max(1) as f64).sqrt()
     }
 
@@ -109,7 +123,7 @@ impl PageStats {
         (self.irradiance_squares / self.seen().max(1) as f64).sqrt()
     }
 
-    /// What the true root mean square error stays below with 99.9 % confidence.
+    /// What the true root mean square error that the rays leave stays below with 99.9 % confidence.
     ///
     /// The sum of squared errors of independent normal texels has the relative variance `2/t`, its estimate from two
     /// replicates each as much, where `t = (Σ s²)² / Σ s⁴` counts unequal texels as fewer. The normal quantile is 3.09.
@@ -118,7 +132,7 @@ impl PageStats {
             return 0.0;
         }
         let relative = self.errors.fourths / (self.errors.squares * self.errors.squares);
-        self.rmse() * (1.0 + 3.09 * (4.0 * relative).sqrt()).sqrt()
+        self.rmse_rays() * (1.0 + 3.09 * (4.0 * relative).sqrt()).sqrt()
     }
 }
 
@@ -179,8 +193,13 @@ mod tests {
     fn a_bound_of_the_error_counts_unequal_texels_as_fewer() {
         let mut page = stats(5, &[]);
         assert_eq!(page.rmse_bound(), 0.0);
+        page.shown = Some(ErrorSums {
+            squares: 36.0,
+            ..ErrorSums::default()
+        });
         (page.errors.squares, page.errors.fourths) = (4.0, 24.0);
-        assert_eq!((page.rmse(), page.irradiance_rmse()), (1.0, 0.75f64.sqrt()));
+        let rmse = [page.rmse(), page.rmse_rays(), page.irradiance_rmse()];
+        assert_eq!(rmse, [3.0, 1.0, 0.75f64.sqrt()]);
         // t = 4² / 24 = 2/3, so the relative variance (2 + 2) / t is 6.
         let bound = (1.0 + 3.09 * 6.0f64.sqrt()).sqrt();
         assert!(

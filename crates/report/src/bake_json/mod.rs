@@ -233,10 +233,13 @@ pub struct PageReport {
     /// Largest standard error of `diffuse` over its value, of texels whose value is at least 1/255.
     #[serde(default)]
     pub worst_relative: f64,
-    /// Estimated root mean square error of `diffuse` over covered texels, before seams were solved.
+    /// Estimated root mean square error of `diffuse` over covered texels: that of the layer `error`.
     #[serde(default)]
     pub rmse: f64,
-    /// What the true root mean square error stays below with 99.9 % confidence.
+    /// The part of it that the rays leave, before seams move texels.
+    #[serde(default)]
+    pub rmse_rays: f64,
+    /// What the true error that the rays leave stays below with 99.9 % confidence.
     #[serde(default)]
     pub rmse_bound: f64,
     /// Under an illumination map: estimated root mean square error of `irradiance`, mean of its channels, as a
@@ -246,9 +249,9 @@ pub struct PageReport {
     /// What that is held against, where the layer `irradiance` is baked: its mean over covered texels and channels.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub irradiance_mean: Option<f64>,
-    /// Rays cast for the page.
+    /// Rays cast for the page, those of all gathers of bounces and lights included.
     pub rays: u64,
-    /// Seconds spent integrating the page.
+    /// Seconds spent integrating the page, and on its part of the gathers.
     pub seconds: f64,
     /// `rays / seconds`; 0 where no ray was cast.
     pub rays_per_second: f64,
