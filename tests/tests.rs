@@ -70,6 +70,7 @@ mod report;
 mod saved;
 mod shading;
 mod shards;
+mod shut;
 mod sky;
 mod stands;
 mod stated;

@@ -1,7 +1,9 @@
-//! Faces that nobody sees, because another face lies on them or they are inside of a body: between cubes side by side.
+//! Faces that nobody sees, because another face lies on them or they are inside of a body, between cubes side by side,
+//! or in a cupboard that is shut.
 
 use crate::job::Job;
 use crate::shell::{Look, POINTS, is_back};
+use crate::shut::is_in_cupboard;
 use glam::DVec3;
 use rays::{Ray, RayBackend, World};
 use report::WarningReport;
@@ -20,8 +22,21 @@ pub(crate) fn hidden_faces(job: &Job, looks: &[Look]) -> Option<WarningReport> {
         return None;
     }
     let (world, backend, atlas) = (job.world(), job.backend(), job.atlas());
-    let is_hidden = |look: &&Look| is_hidden(world, backend, look);
-    let share = looks.iter().filter(is_hidden).count() as f64 / f64::from(POINTS);
+    let (mut hidden, mut shut, mut open, mut lit) = (0, 0, 0, 0);
+    for look in looks {
+        if is_hidden(world, backend, look) {
+            hidden += 1;
+        } else if is_in_cupboard(world, backend, &look.point) {
+            shut += 1;
+        } else {
+            open += 1;
+            lit += u32::from(sees_sky(look));
+        }
+    }
+    // Where hardly anything else is, or that is dark too, people look at what is in there.
+    let has_light = f64::from(open) >= 0.5 * LEAST * f64::from(POINTS) && 2 * lit > open;
+    hidden += if has_light { shut } else { 0 };
+    let share = f64::from(hidden) / f64::from(POINTS);
     let cure = match atlas.source.is_packed() {
         true => {
             "; `--seen-from 'X,Y,Z;X,Y,Z'`, with places all around from which one looks, gives each chart that none of \
@@ -35,10 +50,15 @@ pub(crate) fn hidden_faces(job: &Job, looks: &[Look]) -> Option<WarningReport> {
         count: (share * atlas.audit.texels as f64) as u64,
         message: format!(
             "{:.0} % of the texels lie on faces that nobody sees, because others lie on them or they are inside of a \
-             body{cure}",
+             body or of a shut space that is no room{cure}",
             100.0 * share
         ),
     })
+}
+
+/// True where an eighth or more of the ways from a point leave the scene.
+fn sees_sky(look: &Look) -> bool {
+    8 * (look.ways.len() - look.hits().count()) >= look.ways.len()
 }
 
 /// True where a point of a surface is buried or covered.

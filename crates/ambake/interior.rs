@@ -56,6 +56,7 @@ impl Brightness {
     ///
     /// * `hides`: points on outsides of rooms, which nobody within sees.
     /// * `covers`: dark points that something lies on: between two cubes there is no room.
+    /// * `shuts`: dark points in shut spaces that are no rooms, which nobody looks at if there is more.
     /// * `texels`: of the whole atlas.
     pub fn interior(
         &self,
@@ -63,6 +64,7 @@ impl Brightness {
         has_lamps: bool,
         hides: impl Fn(&SurfacePoint) -> bool,
         covers: impl Fn(&SurfacePoint) -> bool,
+        shuts: impl Fn(&SurfacePoint) -> bool,
         texels: u64,
     ) -> Option<WarningReport> {
         if options.max_distance.is_some() || has_lamps {
@@ -81,6 +83,20 @@ impl Brightness {
         let (all, dark) = (shown.len(), below(DARK));
         let lit = all - below(FAINT);
         let is_closed = lit as f64 <= LEAKS * all as f64 + BORDERS * hidden.len() as f64;
+        let is_told = is_closed || options.bounces == Bounces::Off;
+        if !is_told || 2 * dark <= all {
+            return None;
+        }
+        let is_shut =
+            |seen: &&&Seen| seen.diffuse.is_some_and(|value| value < FAINT) && shuts(&seen.point);
+        let shut = match is_closed {
+            true => 0,
+            false => shown.iter().filter(is_shut).count(),
+        };
+        // Where hardly anything else is, or that is dark too, people look at what is in there.
+        if 10 * shut <= 9 * all && 2 * (dark - shut) <= all - shut {
+            return None;
+        }
         let share = dark as f64 / all.max(1) as f64;
         let message = match is_closed {
             true => {
@@ -97,8 +113,7 @@ impl Brightness {
                 100.0 * DARK
             ),
         };
-        let bounces = options.bounces != Bounces::Off && !is_closed;
-        (!bounces && 2 * dark > all).then(|| WarningReport {
+        Some(WarningReport {
             kind: "interior".into(),
             place: "scene".into(),
             count: (share * texels as f64) as u64,
@@ -179,7 +194,14 @@ mod tests {
     fn a_dark_median_is_an_interior_unless_a_distance_or_bounces_were_given() {
         let pages = surface(&[(0.7, 1), (0.02, 1), (0.05, 1)]);
         let warning = pages
-            .interior(&Options::default(), false, |_| false, |_| false, 100)
+            .interior(
+                &Options::default(),
+                false,
+                |_| false,
+                |_| false,
+                |_| false,
+                100,
+            )
             .expect("two of three parts are dark");
         assert!(warning.message.contains("--max-distance"));
         assert!(warning.message.contains("--bounces"));
@@ -189,18 +211,18 @@ mod tests {
         (limited.max_distance, bounced.bounces) = (Some(1.0), Bounces::Auto);
         assert!(
             pages
-                .interior(&limited, false, |_| false, |_| false, 100)
+                .interior(&limited, false, |_| false, |_| false, |_| false, 100)
                 .is_none()
         );
         assert!(
             pages
-                .interior(&bounced, false, |_| false, |_| false, 100)
+                .interior(&bounced, false, |_| false, |_| false, |_| false, 100)
                 .is_none()
         );
         let pages = surface(&[(0.7, 1), (0.9, 1), (0.02, 1), (0.05, 1)]);
         let told = |hidden: u32| {
             let hides = |point: &SurfacePoint| point.triangle < hidden;
-            pages.interior(&Options::default(), false, hides, |_| false, 100)
+            pages.interior(&Options::default(), false, hides, |_| false, |_| false, 100)
         };
         assert!(told(0).is_none(), "half is not most");
         assert!(told(1).is_some(), "two of three, but for what lies outside");
@@ -210,7 +232,14 @@ mod tests {
     fn where_no_light_gets_in_nothing_is_said_of_bounces() {
         let pages = surface(&[(0.0004, 5000)]);
         let closed = pages
-            .interior(&Options::default(), false, |_| false, |_| false, 5000)
+            .interior(
+                &Options::default(),
+                false,
+                |_| false,
+                |_| false,
+                |_| false,
+                5000,
+            )
             .expect("all is dark");
         assert!(closed.message.contains("--max-distance") && !closed.message.contains("bounces"));
         let bounced = Options {
@@ -218,19 +247,56 @@ mod tests {
             ..Options::default()
         };
         let still = pages
-            .interior(&bounced, false, |_| false, |_| false, 5000)
+            .interior(&bounced, false, |_| false, |_| false, |_| false, 5000)
             .map(|warning| warning.message);
         assert_eq!(still, Some(closed.message), "there is nothing to send on");
         assert!(
             pages
-                .interior(&bounced, true, |_| false, |_| false, 5000)
+                .interior(&bounced, true, |_| false, |_| false, |_| false, 5000)
                 .is_none(),
             "a lamp is in it"
         );
         let pages = surface(&[(0.0004, 5000), (0.05, 50)]);
         let lit = pages
-            .interior(&Options::default(), false, |_| false, |_| false, 5050)
+            .interior(
+                &Options::default(),
+                false,
+                |_| false,
+                |_| false,
+                |_| false,
+                5050,
+            )
             .expect("most is dark");
         assert!(lit.message.contains("--bounces"));
+    }
+
+    #[test]
+    fn shut_spaces_are_no_interior_beside_what_light_gets_to() {
+        let told = |parts: &[(f32, usize)], shut: u32| {
+            let shuts = |point: &SurfacePoint| point.triangle < shut;
+            let found = surface(parts).interior(
+                &Options::default(),
+                false,
+                |_| false,
+                |_| false,
+                shuts,
+                1000,
+            );
+            found.map(|warning| (warning.message, warning.count))
+        };
+        // Cupboards of 60 of a hundred points, and a lit kitchen around them.
+        assert_eq!(told(&[(0.0, 60), (0.05, 3), (0.7, 37)], 60), None);
+        // The kitchen is dark too: a level of a game may be such rooms.
+        let (message, count) = told(&[(0.0, 60), (0.05, 30), (0.7, 10)], 60).expect("a line");
+        assert!(message.starts_with("90 % of the surface"), "{message}");
+        assert_eq!(count, 900);
+        // What gets some light is not asked.
+        assert!(told(&[(0.05, 60), (0.7, 40)], 60).is_some());
+        // Next to nothing else is there.
+        let (message, _) = told(&[(0.0, 95), (0.05, 5)], 95).expect("a line");
+        assert!(message.starts_with("100 % of the surface"), "{message}");
+        // All is shut: a room.
+        let (message, _) = told(&[(0.0, 100)], 100).expect("a line");
+        assert!(message.contains("all is closed"), "{message}");
     }
 }

@@ -83,7 +83,8 @@
 //!   and what stands around it: `dome.rs`; what lies whole in another object: `swallowed.rs`.
 //! * Where objects lie on pages: `object.rs`. Values at vertices: `vertices.rs`.
 //! * What can be seen: `seen.rs` for points of a triangle, `eyes.rs` for one point from places, `shell.rs` for the
-//!   outsides of rooms, `facing.rs` for faces that look the wrong way, `points.rs` for points of an object.
+//!   outsides of rooms, `shut.rs` for the insides of cupboards, `facing.rs` for faces that look the wrong way,
+//!   `points.rs` for points of an object.
 //! * Saved states: `resume`. Shards: `shard.rs`, `parts.rs` and `merge.rs`. Updates: `update.rs`, their files
 //!   `state.rs`. The atlas alone: `layout.rs`,
 //!   its files `layout_files.rs`.
@@ -151,6 +152,7 @@ mod seen;
 #[cfg(feature = "write")]
 mod shard;
 mod shell;
+mod shut;
 mod sky;
 #[cfg(feature = "write")]
 mod state;

@@ -16,6 +16,7 @@ use crate::lit::LitScene;
 use crate::parts::Kind;
 use crate::resume::Saved;
 use crate::shell::{Look, Shell};
+use crate::shut::is_in_cupboard;
 use crate::state::{self, Head};
 use crate::update::Tracker;
 use crate::vertices::Fit;
@@ -266,15 +267,16 @@ impl<'a> Writer<'a> {
         let interior = self.job.within(|| {
             let shell = has_outsides.then(|| Shell::of(self.job.world(), self.job.backend()));
             let shell = shell.flatten();
+            let (world, backend) = (self.job.world(), self.job.backend());
             self.brightness.interior(
                 self.job.options(),
                 self.job.has_lamps(),
                 |point| shell.as_ref().is_some_and(|shell| shell.hides(point)),
                 |point| {
-                    let (world, backend) = (self.job.world(), self.job.backend());
                     let look = Look::at(world, backend, *point);
                     look.is_some_and(|look| is_hidden(world, backend, &look))
                 },
+                |point| is_in_cupboard(world, backend, point),
                 self.job.atlas().audit.texels,
             )
         });
