@@ -280,7 +280,8 @@ fn plan_says_what_the_numbers_hold() {
         String::from_utf8(run(arguments).stdout).expect("UTF-8")
     };
     let sharp = words(&["--layers", "any-view", "--exponent", "20"]);
-    let text = "45 numbers a texel for any view: for the narrowest lobe, n = 20, 15 numbers leave about 0.071 and 45 about 0.009, beside noise of 0.044 at 256 rays";
+    let text = "45 numbers a texel for any view: for the narrowest lobe, n = 20, 15 numbers leave about 0.071 \
+        and 45 about 0.009, beside noise of 0.044 at 256 rays";
     assert!(sharp.contains(text), "{sharp}");
     assert!(!words(&[]).contains("any view"));
     // GGX passes on more of high bands than a Phong lobe of the same material.

@@ -25,7 +25,8 @@ fn floor_and_ceiling(folder: &Path, third: &Value) -> PathBuf {
         "asset": { "version": "2.0" }, "scene": 0, "scenes": [{ "nodes": [0, 1, 2] }], "nodes": nodes,
         "meshes": [{ "primitives": [{ "attributes": { "POSITION": 1 }, "indices": 0 }] }],
         "accessors": [{ "bufferView": 0, "componentType": 5123, "count": 6, "type": "SCALAR" },
-            { "bufferView": 1, "componentType": 5126, "count": 4, "type": "VEC3", "min": [-1, 0, -1], "max": [1, 0, 1] }],
+            { "bufferView": 1, "componentType": 5126, "count": 4, "type": "VEC3", "min": [-1, 0, -1],
+            "max": [1, 0, 1] }],
         "bufferViews": [{ "buffer": 0, "byteLength": 12 }, { "buffer": 0, "byteOffset": 12, "byteLength": 48 }],
         "buffers": [{ "byteLength": 60, "uri": "a.bin" }],
     });

@@ -192,7 +192,8 @@ fn write(folder: &Path, name: &str, made: &Made) -> PathBuf {
         let floats = corners.iter().flatten().flat_map(|x| x.to_le_bytes());
         let position = add(
             floats.collect(),
-            json!({"bufferView": view, "componentType": 5126, "count": corners.len(), "type": "VEC3", "min": low, "max": high}),
+            json!({"bufferView": view, "componentType": 5126, "count": corners.len(), "type": "VEC3", "min": low,
+                "max": high}),
         );
         let numbers = triangles.iter().flatten().flat_map(|k| k.to_le_bytes());
         let indices = add(

@@ -148,7 +148,8 @@ fn bake_terms(
     #[rustfmt::skip]
     let arguments = [
         "--size", &size.to_string(), "--rays", "4096", "--backend", backend, "--view", &eye,
-        "--exponent", &exponent.to_string(), "--specular", "0.5,0.5,0.5", "--shading", "exact", "--seams", "off", "--only", &layers.join(","),
+        "--exponent", &exponent.to_string(), "--specular", "0.5,0.5,0.5", "--shading", "exact", "--seams", "off",
+        "--only", &layers.join(","),
         "--seed", &seed.to_string(),
     ];
     bake_kept(file, &arguments).1

@@ -159,7 +159,8 @@ fn objects_have_shaders_of_their_own_and_traced_mirrors_show_what_stands_before_
     fs::write(at("room.obj"), scene).expect("a file");
     let (room, environment, out) = (text("room.obj"), text("I.exr"), text("x.exr"));
     let render = |more: &[&str]| {
-        let fixed = "--size 9x40 --eye 0,3,6 --look 0,0,-1 --samples 1 --albedo 0.25,0.25,0.25 --specular 0.75,0.75,0.75";
+        let fixed = "--size 9x40 --eye 0,3,6 --look 0,0,-1 --samples 1 --albedo 0.25,0.25,0.25 \
+            --specular 0.75,0.75,0.75";
         let all = [
             "render",
             &room,

@@ -42,7 +42,10 @@ fn radiance(page: &Page) -> [f32; 3] {
 #[test]
 fn white_dielectrics_and_metals_send_out_what_they_receive() {
     let folder = tempfile::tempdir().expect("a temporary directory");
-    let pbr = |metallic: f64, roughness: f64| json!({ "pbrMetallicRoughness": { "metallicFactor": metallic, "roughnessFactor": roughness } });
+    let pbr = |metallic: f64, roughness: f64| {
+        json!({ "pbrMetallicRoughness": {
+            "metallicFactor": metallic, "roughnessFactor": roughness } })
+    };
     let mut tinted = pbr(0.0, 0.5);
     tinted["extensions"] = json!({ "KHR_materials_ior": { "ior": 0 },
         "KHR_materials_specular": { "specularColorFactor": [0.5, 0.25, 0] } });

@@ -29,7 +29,8 @@ fn squares(folder: &Path, material: Value, squares: &[[[f32; 3]; 3]]) -> PathBuf
         );
         bytes.extend(corners.iter().flatten().flat_map(|c| c.to_le_bytes()));
         let name = if number == 0 { "floor" } else { "wall" };
-        meshes.push(json!({ "name": name, "primitives": [{ "attributes": { "POSITION": number + 1 }, "indices": 0, "material": 0 }] }));
+        meshes.push(json!({ "name": name,
+            "primitives": [{ "attributes": { "POSITION": number + 1 }, "indices": 0, "material": 0 }] }));
         nodes.push(json!({ "name": name, "mesh": number }));
     }
     std::fs::write(folder.join("a.bin"), &bytes).expect("a file");

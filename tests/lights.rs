@@ -288,7 +288,8 @@ fn lights_of_the_file_are_named_until_somebody_decides() {
 #[test]
 fn surfaces_that_shine_are_named_where_they_send_nothing() {
     let folder = tempfile::tempdir().expect("a temporary directory");
-    let materials = "newmtl wall\nKd 0.5 0.5 0.5\nnewmtl tube\nKe 3 3 3\nnewmtl bulb\nKe 1 0 0\nnewmtl unused\nKe 1 1 1\n";
+    let materials = "newmtl wall\nKd 0.5 0.5 0.5\nnewmtl tube\nKe 3 3 3\nnewmtl bulb\nKe 1 0 0\nnewmtl unused\n\
+        Ke 1 1 1\n";
     let quad = |name: &str, material: &str, y: f64| {
         let corners = [[-1, -1], [-1, 1], [1, 1], [1, -1]].map(|[x, z]| format!("v {x} {y} {z}\n"));
         format!(

@@ -54,7 +54,10 @@ fn floor() -> Vec<u8> {
             view
         })
         .collect();
-    let corner = |view: u32, max: [f32; 3], min: [f32; 3]| json!({ "bufferView": view, "componentType": 5126, "count": 4, "type": "VEC3", "max": max, "min": min });
+    let corner = |view: u32, max: [f32; 3], min: [f32; 3]| {
+        json!({ "bufferView": view, "componentType": 5126, "count": 4, "type": "VEC3", "max": max,
+            "min": min })
+    };
     let json = json!({
         "asset": { "version": "2.0" },
         "buffers": [{ "byteLength": bin.len() }],
@@ -67,7 +70,8 @@ fn floor() -> Vec<u8> {
         ],
         "images": [{ "bufferView": 4, "mimeType": "image/png" }],
         "textures": [{ "source": 0 }],
-        "materials": [{ "pbrMetallicRoughness": { "metallicFactor": 0.5, "metallicRoughnessTexture": { "index": 0 } } }],
+        "materials": [{ "pbrMetallicRoughness": { "metallicFactor": 0.5,
+        "metallicRoughnessTexture": { "index": 0 } } }],
         "meshes": [
             { "primitives": [{ "attributes": { "POSITION": 0, "TEXCOORD_0": 2 }, "indices": 3, "material": 0 }] },
             { "primitives": [{ "attributes": { "POSITION": 1 }, "indices": 3 }] },

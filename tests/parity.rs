@@ -232,7 +232,10 @@ fn baked_layers_differ_only_where_a_listed_ray_explains_it() {
             listed.iter().filter(|ray| !ray.explained()).count(),
         );
         if lost > 0 || unexplained > 0 || texels.len() > listed.len() {
-            faults.push(format!("{name}: {lost} texels differ without a ray, {unexplained} rays unexplained: {listed:?}"));
+            faults.push(format!(
+                "{name}: {lost} texels differ without a ray, {unexplained} rays unexplained: \
+                 {listed:?}"
+            ));
         }
     }
     assert!(faults.is_empty(), "{}", faults.join("\n"));

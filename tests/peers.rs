@@ -15,7 +15,8 @@ case "$1 $2 $*" in
   "-m pip "*bpy) exit 1 ;;
   "-m pip "*) exit 0 ;;
   */generate.py*) mkdir -p "$2" && : > "$2/$4.obj" ;;
-  */run.py*) test -f "$(dirname "$1")/bake_pymeshlab.py" && test -x "$AMBAKE" && ls "$2" > "$4/peers.md" && shift 4 && echo "called with $*" >> "$OUT" ;;
+  */run.py*) test -f "$(dirname "$1")/bake_pymeshlab.py" && test -x "$AMBAKE" &&
+    ls "$2" > "$4/peers.md" && shift 4 && echo "called with $*" >> "$OUT" ;;
   *) exit 1 ;;
 esac
 "#;

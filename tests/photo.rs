@@ -335,7 +335,8 @@ fn a_scene_is_laid_over_a_photograph_in_the_tones_of_its_film() {
     // An open plane under a white sky has the radiance of its albedo in all of its pixels.
     let plane = scene("plane.obj").display().to_string();
     let [film, plate_file, out] = ["film.txt", "plate.png", "out.png"].map(at);
-    let words = "--eye 0,8,0 --look 0,0,0 --up 0,0,-1 --size 64x64 --samples 1 --rays 1 --model lambert --albedo 0.3,0.2,0.1";
+    let words = "--eye 0,8,0 --look 0,0,0 --up 0,0,-1 --size 64x64 --samples 1 --rays 1 --model lambert \
+        --albedo 0.3,0.2,0.1";
     let asked = ["render", &plane, "-o", &out, "--backdrop", &plate_file];
     let asked: Vec<&str> = asked.into_iter().chain(words.split(' ')).collect();
     run_well([&asked[..], &["--response", &film]].concat());

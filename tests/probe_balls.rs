@@ -312,7 +312,8 @@ fn three_js_moves_a_ball_through_a_volume_as_it_is_baked() {
                 })
             })
             .collect();
-        serde_json::json!({ "center": center, "radius": 0.15, "eye": eye, "fov": fov, "size": [width, height], "wanted": wanted })
+        serde_json::json!({ "center": center, "radius": 0.15, "eye": eye, "fov": fov, "size": [width, height],
+            "wanted": wanted })
     });
     let job = folder.path().join("job.json");
     fs::write(&job, serde_json::to_string(&balls).expect("JSON")).expect("written");

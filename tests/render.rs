@@ -214,7 +214,8 @@ fn a_scene_is_laid_over_a_plate_as_its_alpha_says() {
     let sky = environment::Image::filled(8, 4, [1.0; 3]);
     save_image(at("sky.exr"), &sky);
     let tables = format!(
-        "--maps {0},{0} --specular 0,0,0 --environment {0} --quiet --size 31x21 --samples 4 --albedo 0.25,0.5,0.75 --eye 0,0,4 --look 0,0,0",
+        "--maps {0},{0} --specular 0,0,0 --environment {0} --quiet --size 31x21 --samples 4 --albedo 0.25,0.5,0.75 \
+         --eye 0,0,4 --look 0,0,0",
         at("sky.exr")
     );
     let frame = |name: &str, more: &str| {

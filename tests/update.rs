@@ -193,10 +193,17 @@ fn write_inward(folder: &Path, rug: bool) -> PathBuf {
     std::fs::write(folder.join("inward.bin"), &bytes).expect("a file");
     let points = |at: u64, count: u64, high: [f32; 3]| {
         let low = high.map(|x| -x);
-        serde_json::json!({"bufferView": 0, "byteOffset": at, "componentType": 5126, "count": count, "type": "VEC3", "min": low, "max": high})
+        serde_json::json!({"bufferView": 0, "byteOffset": at, "componentType": 5126, "count": count, "type": "VEC3",
+            "min": low, "max": high})
     };
-    let indices = |at: u64, count: u64| serde_json::json!({"bufferView": 1, "byteOffset": at, "componentType": 5123, "count": count, "type": "SCALAR"});
-    let node = |name: &str, mesh: u32, at: [f32; 3], scale: f32| serde_json::json!({"name": name, "mesh": mesh, "translation": at, "scale": [scale, scale, scale]});
+    let indices = |at: u64, count: u64| {
+        serde_json::json!({"bufferView": 1, "byteOffset": at, "componentType": 5123, "count": count,
+            "type": "SCALAR"})
+    };
+    let node = |name: &str, mesh: u32, at: [f32; 3], scale: f32| {
+        serde_json::json!({"name": name, "mesh": mesh, "translation": at,
+            "scale": [scale, scale, scale]})
+    };
     let mut nodes = vec![
         node("floor", 1, [0.0; 3], 6.0),
         node("first", 0, [-1.5, 0.7, 0.0], 1.0),
@@ -204,7 +211,10 @@ fn write_inward(folder: &Path, rug: bool) -> PathBuf {
     ];
     nodes.extend(rug.then(|| node("rug", 2, [-1.5, 0.7, 0.0], 0.3)));
     let roots: Vec<usize> = (0..nodes.len()).collect();
-    let mesh = |points: u32| serde_json::json!({"primitives": [{"attributes": {"POSITION": points}, "indices": points + 1, "material": 0}]});
+    let mesh = |points: u32| {
+        serde_json::json!({"primitives": [{"attributes": {"POSITION": points},
+            "indices": points + 1, "material": 0}]})
+    };
     let text = serde_json::json!({
         "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": roots}], "nodes": nodes,
         "materials": [{"doubleSided": true, "pbrMetallicRoughness": {"metallicFactor": 0}}],

@@ -144,7 +144,8 @@ impl Kind {
             };
             missing.truncate(NAMED);
             return Err(fail(format!(
-                "{count} of {of} parts of `{stem}` missing: {}{more}; run these with `--shard I/{of}`, then merge again",
+                "{count} of {of} parts of `{stem}` missing: {}{more}; run these with `--shard I/{of}`, \
+                 then merge again",
                 missing.join(", ")
             )));
         }

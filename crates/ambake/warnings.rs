@@ -141,7 +141,8 @@ impl Job {
             place: format!("object `{}`", self.scene().instances[instance as usize].name),
             count: texels,
             message: "texels of the file's coordinates stand beside those of other surfaces without a gutter, so that \
-                      look-ups mix both; give the charts two empty texels between them, or let `--uv unwrap` make others"
+                      look-ups mix both; give the charts two empty texels between them, \
+                      or let `--uv unwrap` make others"
                 .into(),
         })
     }
@@ -242,7 +243,9 @@ impl Job {
             kind: "file-lights".into(),
             place: named("light", &first.name, lights.len()),
             count: lights.len() as u64,
-            message: "lights of the file are not baked; `--lights file` bakes them, `--lights none` leaves them out".into(),
+            message: "lights of the file are not baked; `--lights file` bakes them, \
+                `--lights none` leaves them out"
+                .into(),
         })
     }
 

@@ -187,15 +187,18 @@ mod tests {
     fn a_wrong_command_line_is_told_of_in_one_line() {
         for (said, line) in [
             (
-                "error: unexpected argument '--siz' found\n\n  tip: a similar argument exists: '--size'\n\nUsage: ambake bake <SCENE>\n\nFor more information, try '--help'.\n",
+                "error: unexpected argument '--siz' found\n\n  tip: a similar argument exists: '--size'\n\n\
+                 Usage: ambake bake <SCENE>\n\nFor more information, try '--help'.\n",
                 "unexpected argument '--siz' found, a similar argument exists: '--size'",
             ),
             (
-                "error: the following required arguments were not provided:\n  --output <DIR>\n  <SCENE>...\n\nUsage: ambake\n",
+                "error: the following required arguments were not provided:\n  --output <DIR>\n  <SCENE>...\n\n\
+                 Usage: ambake\n",
                 "the following required arguments were not provided: --output <DIR>, <SCENE>...",
             ),
             (
-                "error: invalid value 'foo' for '--denoise <DENOISE>'\n  [possible values: off, oidn]\n\nFor more information, try '--help'.\n",
+                "error: invalid value 'foo' for '--denoise <DENOISE>'\n  [possible values: off, oidn]\n\n\
+                 For more information, try '--help'.\n",
                 "invalid value 'foo' for '--denoise <DENOISE>' [possible values: off, oidn]",
             ),
         ] {

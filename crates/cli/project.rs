@@ -298,7 +298,10 @@ fn flags(
             let known = find(verbs(&of)?, key);
             known.with_context(|| {
                 let of = of.replace('.', " ");
-                format!("unknown option `{key}` in [{title}]; options are the flags of `ambake {of} --help` without dashes")
+                format!(
+                    "unknown option `{key}` in [{title}]; \
+                     options are the flags of `ambake {of} --help` without dashes"
+                )
             })?;
             if of == verb && is_own {
                 options.retain(|(_, earlier, _)| earlier != key);

@@ -29,7 +29,8 @@ fn sound() -> Value {
             {"bufferView": 0, "componentType": 5123, "count": 3, "type": "SCALAR"},
             {"bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]},
         ],
-        "bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": 6}, {"buffer": 0, "byteOffset": 8, "byteLength": 36}],
+        "bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": 6},
+            {"buffer": 0, "byteOffset": 8, "byteLength": 36}],
         "buffers": [{"byteLength": 44}],
     })
 }
@@ -160,7 +161,10 @@ fn broken_gltf_documents_are_refused() {
     short.names = "short";
     let huge =
         json!({"bufferView": 1, "componentType": 5126, "count": 4_000_000_000u32, "type": "VEC3"});
-    let positions = |kind: &str, component: u32, count: u32| json!({"bufferView": 1, "componentType": component, "count": count, "type": kind});
+    let positions = |kind: &str, component: u32, count: u32| {
+        json!({"bufferView": 1, "componentType": component,
+            "count": count, "type": kind})
+    };
     refuse_all(&[
         no_scene,
         short,

@@ -91,7 +91,13 @@ pub struct Job {
     /// Eye points in scene units, and boxes between two corners, separated by semicolons: charts that none of them sees
     /// take one texel; `auto` finds the outsides of rooms, which nobody within sees
     #[arg(help_heading = "Texels", hide_short_help = true)]
-    #[arg(long, value_name = "auto|X,Y,Z[:X,Y,Z][;..]", allow_hyphen_values = true, value_delimiter = ';', value_parser = eyes)]
+    #[arg(
+        long,
+        value_name = "auto|X,Y,Z[:X,Y,Z][;..]",
+        allow_hyphen_values = true,
+        value_delimiter = ';'
+    )]
+    #[arg(value_parser = eyes)]
     pub seen_from: Vec<Eyes>,
     /// Pages of --size: auto takes one, and more where a density needs them, where the charts do not fit, or where an
     /// object would have fewer texels across than a 256th of the page's edge; a number is the most
@@ -118,7 +124,14 @@ pub struct Job {
     pub target_relative: Option<f64>,
     /// With --target-error: the most rays that a texel may take over the hemisphere
     #[arg(help_heading = "Rays", hide_short_help = true)]
-    #[arg(long, value_name = "N", default_value_t = 16_384, requires = "target_error", conflicts_with = "rays", value_parser = whole::<u32>(16..=16_777_216))]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 16_384,
+        requires = "target_error",
+        conflicts_with = "rays"
+    )]
+    #[arg(value_parser = whole::<u32>(16..=16_777_216))]
     pub max_rays: u32,
     /// Where the samples of a texel lie: all over the part that charts cover, or at its point nearest to the texel's
     /// centre, to compare with programs that sample centres
@@ -213,7 +226,9 @@ pub struct Job {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u32>(1..=16))]
     pub align: u32,
     #[arg(help_heading = "Files")]
-    #[arg(long, value_name = "A,B,C", value_delimiter = ',', value_parser = layer, help = "Further layers, separated by commas; --help lists them", long_help = layer_help("Further layers, separated by commas"))]
+    #[arg(long, value_name = "A,B,C", value_delimiter = ',', value_parser = layer)]
+    #[arg(help = "Further layers, separated by commas; --help lists them")]
+    #[arg(long_help = layer_help("Further layers, separated by commas"))]
     pub layers: Vec<Layer>,
     /// Exactly these layers (coverage is always written); terms that none of them needs are not computed
     #[arg(help_heading = "Files", hide_short_help = true)]
@@ -222,7 +237,8 @@ pub struct Job {
     /// Where the diffuse term goes: to pages alone, or to vertices too: STEM.vertices.glb has it as vertex colours, for
     /// engines that take occlusion from there
     #[arg(help_heading = "Files", hide_short_help = true)]
-    #[arg(long, action = ArgAction::Set, default_value = "pages", value_parser = either(["pages", "vertices"], "vertices"))]
+    #[arg(long, action = ArgAction::Set, default_value = "pages")]
+    #[arg(value_parser = either(["pages", "vertices"], "vertices"))]
     pub to: bool,
     /// Let normal maps of materials bend the shading normals: a texel gets the mean of the bent normals over it
     #[arg(help_heading = "Input", hide_short_help = true)]

@@ -28,12 +28,20 @@ pub struct Job {
     pub grid: Option<[u32; 3]>,
     /// Probes at these places, separated by semicolons
     #[arg(help_heading = "Places")]
-    #[arg(long, value_name = "X,Y,Z;..", groups = ["places", "asked"], value_delimiter = ';', allow_hyphen_values = true, value_parser = triple)]
+    #[arg(long, value_name = "X,Y,Z;..", groups = ["places", "asked"], value_delimiter = ';')]
+    #[arg(allow_hyphen_values = true, value_parser = triple)]
     pub at: Vec<[f64; 3]>,
     /// Reflection maps of these places, separated by semicolons: cubes with a level for each roughness, and one for
     /// matt surfaces
     #[arg(help_heading = "Places")]
-    #[arg(long, value_name = "X,Y,Z;..", group = "asked", value_delimiter = ';', allow_hyphen_values = true, value_parser = triple)]
+    #[arg(
+        long,
+        value_name = "X,Y,Z;..",
+        group = "asked",
+        value_delimiter = ';',
+        allow_hyphen_values = true
+    )]
+    #[arg(value_parser = triple)]
     pub reflections: Vec<[f64; 3]>,
     /// Edge of a face of their largest level in texels: a power of two from 8 to 1024
     #[arg(help_heading = "Places", hide_short_help = true)]
@@ -69,7 +77,13 @@ pub struct Job {
     pub target_error: Option<f64>,
     /// With --target-error: the most rays that a probe may take
     #[arg(help_heading = "Rays", hide_short_help = true)]
-    #[arg(long, value_name = "N", default_value_t = 65_536, requires = "target_error", value_parser = whole::<u32>(64..=16_777_216))]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 65_536,
+        requires = "target_error"
+    )]
+    #[arg(value_parser = whole::<u32>(64..=16_777_216))]
     pub max_rays: u32,
     /// Gather every second probe of a volume along each axis, and all only where those do not tell a probe between them
     /// within E, of the light on a matt white surface, which an open sky of 1 makes 1; the others are interpolated

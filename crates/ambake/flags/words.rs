@@ -31,7 +31,8 @@ words! {
     }
     Shown {
         "traditional" = Traditional "Constant times the open share of the hemisphere",
-        "traditional.closed" = TraditionalClosed "The same constant times what an open surface reflects, in closed form",
+        "traditional.closed" = TraditionalClosed "The same constant times what an open surface reflects, \
+         in closed form",
         "lambert" = Lambert "The Lambertian ambient term",
         "phong" = Phong "Lambertian and specular terms",
         "ggx" = Ggx "Lambertian and microfacet terms",

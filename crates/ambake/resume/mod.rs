@@ -322,7 +322,10 @@ mod tests {
     fn a_saved_state_is_of_its_key_and_its_shard_alone() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("state");
-        let header = |scene: &str, shard: u32| serde_json::json!({"key": {"scene": scene}, "shard": [shard, 2], "given": "anything"});
+        let header = |scene: &str, shard: u32| {
+            serde_json::json!({"key": {"scene": scene}, "shard": [shard, 2],
+                "given": "anything"})
+        };
         let blocks = |header: Value| {
             let mut saved = Saved::new(path.clone(), header, WIDTHS);
             assert_eq!(saved.resume().expect("a file"), None);

@@ -15,7 +15,8 @@
 ///
 /// ```
 /// use ambake_ambient::lunar::lommel_seeliger;
-/// // At full phase light and eye are in one direction, and the disc is as bright everywhere: Lambert's cosine is taken back.
+/// // At full phase light and eye are in one direction, and the disc is as bright everywhere: Lambert's cosine
+/// // is taken back.
 /// for cos in [0.1, 0.5, 1.0] {
 ///     assert!((cos * lommel_seeliger(cos, cos) - 1.0).abs() < 1e-15);
 /// }

@@ -44,7 +44,8 @@ pub enum Error {
     },
     /// Some charts, or those of a mesh that is placed several times, do not fit on a page at any density.
     #[error(
-        "the charts ({charts}) with their gutters do not fit on pages of {size}x{size} texels: {}", larger(*size, "raise `--size`", "leave objects out with `--exclude`, or lower `--gutter` and `--mips`")
+        "the charts ({charts}) with their gutters do not fit on pages of {size}x{size} texels: {}",
+        larger(*size, "raise `--size`", "leave objects out with `--exclude`, or lower `--gutter` and `--mips`")
     )]
     PageFull {
         /// Number of charts, or of objects where their own charts are kept.
@@ -54,7 +55,8 @@ pub enum Error {
     },
     /// The charts do not fit on the pages that were allowed.
     #[error(
-        "the charts with their gutters do not fit on {pages} page(s) of {size}x{size} texels: {}", larger(*size, "raise `--size` or `--pages`, or lower the density", "raise `--pages` or lower the density")
+        "the charts with their gutters do not fit on {pages} page(s) of {size}x{size} texels: {}",
+        larger(*size, "raise `--size` or `--pages`, or lower the density", "raise `--pages` or lower the density")
     )]
     PagesFull {
         /// Pages that were allowed.
@@ -65,7 +67,9 @@ pub enum Error {
     /// At the density asked for, one chart is larger than a page.
     #[error(
         "a chart takes {width}x{height} texels with its gutter and the page has {size}x{size}: \
-         {}", if width.max(height) > &LARGEST { "lower `--density`".into() } else { format!("raise `--size` to {} or lower `--density`", width.max(height)) }
+         {}",
+        if width.max(height) > &LARGEST { "lower `--density`".into() }
+        else { format!("raise `--size` to {} or lower `--density`", width.max(height)) }
     )]
     ChartTooLarge {
         /// Chart width in texels with gutter.

@@ -138,7 +138,8 @@ fn judge(page: &BakedPage, reference: &BakedPage) -> Row {
 pub fn markdown(title: &str, rows: &[Row]) -> String {
     let mut text = format!(
         "{title}; plain > denoised, against {} rays\n\n\
-         | rays | RMSE | stated | within 1.96 errors | mean error | means of 8 x 8 | 1 in 1,000 above | worst | CPU s |\n\
+         | rays | RMSE | stated | within 1.96 errors | mean error | means of 8 x 8 | 1 in 1,000 above | worst \
+         | CPU s |\n\
          |---|---|---|---|---|---|---|---|---|\n",
         REFERENCE.0
     );

@@ -96,7 +96,8 @@ pub fn markdown(rows: &[Row]) -> String {
          is timed once, on some texels of the result (`timed`), and scaled to all of them, so the ratio has no spread \
          and is given to two digits. Differences are the largest on those texels, over the largest value of the \
          result. `all of them`: the convolutions share one analysis of the map, the double sums are added up.\n\n\
-         | map | kernel, size of the result | convolution, s | plain double sum, s, scaled | timed | ratio | from the double sum | from 2 x 2 nodes a texel |\n\
+         | map | kernel, size of the result | convolution, s | plain double sum, s, scaled | timed | ratio \
+         | from the double sum | from 2 x 2 nodes a texel |\n\
          |---|---|---|---|---|---|---|---|\n",
     );
     for row in rows {

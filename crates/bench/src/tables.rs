@@ -229,7 +229,8 @@ pub fn speed_csv(rows: &[Speed]) -> String {
 pub fn markdown(rows: &[Row], speed: &[Speed]) -> String {
     let mut text = String::from(
         "RMS of the difference from 1,024 samples a pixel and of its change from frame to frame (flicker), over the \
-         mean radiance of the body, with S alone:\n\n| body, table | look-up | pixels | RMS | flicker |\n|---|---|---|---|---|\n",
+         mean radiance of the body, with S alone:\n\n| body, table | look-up | pixels | RMS | flicker |\n\
+         |---|---|---|---|---|\n",
     );
     for row in rows {
         text += &format!(
@@ -238,8 +239,10 @@ pub fn markdown(rows: &[Row], speed: &[Speed]) -> String {
         );
     }
     text += "\nTime of shading another picture, a globe that fills 1920 x 1080 pixels, with D and S (n = 100) from a \
-             buffer in memory. It is not the price of the errors above, which are of smaller pictures and without D:\n\n\
-             | look-up | pixels | shading, ms a frame | slowest, fastest | frames shaded a second |\n|---|---|---|---|---|\n";
+             buffer in memory. It is not the price of the errors above, which are of smaller pictures and \
+             without D:\n\n\
+             | look-up | pixels | shading, ms a frame | slowest, fastest | frames shaded a second |\n\
+             |---|---|---|---|---|\n";
     for row in speed {
         text += &format!(
             "| {} | {} | {:.2} | {:.2}, {:.2} | {:.1} |\n",

@@ -14,7 +14,8 @@ pub struct Args {
     #[command(flatten)]
     pub job: Job,
     /// Directory for bench.csv, bench.svg and bench.md; it is made if needed
-    #[arg(short = 'o', long = "output", value_name = "DIR", required_unless_present_any = ["burial", "samplers", "ceiling", "grain", "hard", "stated", "texels"])]
+    #[arg(short = 'o', long = "output", value_name = "DIR")]
+    #[arg(required_unless_present_any = ["burial", "samplers", "ceiling", "grain", "hard", "stated", "texels"])]
     pub output: Option<PathBuf>,
     /// Only the ratio of a bake to the bare loop of rtcOccluded16 over its packets
     #[arg(long, conflicts_with = "samplers")]
@@ -49,7 +50,8 @@ pub struct Args {
     pub burial: bool,
     /// Only other programs on the same texels of three generated scenes: peers.csv, peers.svg and peers.md in DIR. They
     /// are installed from PyPI into DIR/peers.work (bpy, mitsuba, open3d, pymeshlab); what cannot be is skipped
-    #[arg(long, conflicts_with_all = ["scene", "samplers", "ceiling", "grain", "hard", "maps", "stated", "tables", "texels"])]
+    #[arg(long)]
+    #[arg(conflicts_with_all = ["scene", "samplers", "ceiling", "grain", "hard", "maps", "stated", "tables", "texels"])]
     pub peers: bool,
     /// The Python that --peers runs; its version decides which bpy fits
     #[arg(

@@ -86,7 +86,8 @@ fn facts(args: &Args, scene: &Path) -> anyhow::Result<Outcome> {
     });
     if args.common.json {
         say_json(
-            &json!({ "schema_version": 1, "scene": scene.file_name().context("no file name")?.to_string_lossy(), "facts": facts }),
+            &json!({ "schema_version": 1, "scene": scene.file_name().context("no file name")?.to_string_lossy(),
+                "facts": facts }),
         )?;
     } else if !args.common.quiet {
         say(&facts.text())?;

@@ -99,7 +99,8 @@ pub fn run(args: &Ball) -> anyhow::Result<()> {
             .collect();
         return say_json(&json!({
             "schema_version": 1, "balls": balls, "projection": args.to.name(), "size": [size.0, size.1],
-            "gains": (args.gains == GainsName::Auto).then_some(&gains.factors), "masked_texels": masked, "unseen": unseen, "files": files,
+            "gains": (args.gains == GainsName::Auto).then_some(&gains.factors), "masked_texels": masked,
+            "unseen": unseen, "files": files,
         }));
     }
     if args.common.quiet {

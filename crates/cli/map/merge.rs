@@ -39,7 +39,8 @@ pub fn run(args: &Merge) -> anyhow::Result<()> {
         ("ambakeVersion", host::VERSION),
         (
             "ambakeNormalisation",
-            "radiance up to one factor; where confidence is 0 every bracket is saturated, and the value is a lower bound",
+            "radiance up to one factor; where confidence is 0 every bracket is saturated, \
+             and the value is a lower bound",
         ),
     ]
     .map(|(name, text)| (name.to_owned(), text.to_owned()))

@@ -30,7 +30,8 @@ pub fn run(args: &Stats) -> anyhow::Result<()> {
     let triple = |v: [f64; 3]| v.map(|v| format!("{v:.6}")).join(" ");
     let [x, y] = stats.maximum_at;
     say(&format!(
-        "{} x {} texels, {}, axes of {orientation}\nmean       {}\nintegral   {} (radiance times sr)\nmaximum    {} at ({x}, {y})\n\
+        "{} x {} texels, {}, axes of {orientation}\nmean       {}\nintegral   {} (radiance times sr)\n\
+         maximum    {} at ({x}, {y})\n\
          minimum    {}\nnon-finite {} texels\nnegative   {} texels\n",
         size.0,
         size.1,

@@ -103,8 +103,10 @@ pub fn write(
         let report = probes.report();
         say_json(&json!({
             "schema_version": 1, "scene": args.scene, "options": report.options, "probes": report.probes.len(),
-            "grid": report.grid, "moved": moved(report), "invalid": invalid(report), "interpolated": interpolated(report), "std_err": std_err(report),
-            "interpolation": report.interpolation, "reflections": report.reflections, "files": report.files, "written": written, "seconds": seconds,
+            "grid": report.grid, "moved": moved(report), "invalid": invalid(report),
+            "interpolated": interpolated(report), "std_err": std_err(report),
+            "interpolation": report.interpolation, "reflections": report.reflections, "files": report.files,
+            "written": written, "seconds": seconds,
         }))?;
     } else if !common.quiet {
         say(&summary(probes.report(), &written, seconds))?;

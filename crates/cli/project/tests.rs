@@ -18,7 +18,8 @@ fn job(file: &str, typed: &str) -> anyhow::Result<ambake::flags::bake::Job> {
 #[test]
 fn typed_flags_win_over_the_scene_and_the_scene_over_the_folder() {
     let file = "[bake]\nsize = 64\nrays = 8\nlayers = ['bent', 'normal']\nnormal-maps = true\nsky = [1, 0.5, 0.25]\n\
-        [scene.'hall.glb']\nsize = 128\n[scene.'other.glb']\nsize = 256\n[object.'wall*']\ndensity = 20\nexclude = false\ncast = false\nburied = 'keep'";
+        [scene.'hall.glb']\nsize = 128\n[scene.'other.glb']\nsize = 256\n[object.'wall*']\ndensity = 20\n\
+        exclude = false\ncast = false\nburied = 'keep'";
     let plain = job(file, "").unwrap();
     assert_eq!((plain.size, plain.rays, plain.layers.len()), (128, 8, 2));
     assert!(plain.normal_maps);
@@ -35,7 +36,8 @@ fn typed_flags_win_over_the_scene_and_the_scene_over_the_folder() {
 #[test]
 fn verbs_with_a_table_of_their_own_take_theirs_alone_and_it_may_hold_what_is_required() {
     let folder = tempfile::tempdir().expect("a folder");
-    let file = "[bake]\nsize = 64\n[probes]\nspacing = 2\nrays = 128\noutput = 'x'\n[scene.'hall.glb'.probes]\nrays = 256\nbake = 'baked'\n\
+    let file = "[bake]\nsize = 64\n[probes]\nspacing = 2\nrays = 128\noutput = 'x'\n[scene.'hall.glb'.probes]\n\
+        rays = 256\nbake = 'baked'\n\
         [render]\nsize = '32x16'";
     let write =
         |text: &str| std::fs::write(folder.path().join(PROJECT_FILE), text).expect("written");
@@ -131,7 +133,8 @@ fn verbs_that_read_a_folder_or_a_picture_take_the_table_of_the_file_beside_it() 
 
 #[test]
 fn objects_of_one_scene_are_named_below_it() {
-    let file = "[object.wall]\ndensity = 20\n[scene.'hall.glb'.object.altar]\ndensity = 80\n[scene.'other.glb'.object.door]\ndensity = 4";
+    let file = "[object.wall]\ndensity = 20\n[scene.'hall.glb'.object.altar]\ndensity = 80\n\
+        [scene.'other.glb'.object.door]\ndensity = 4";
     let found = job(file, "").unwrap().density_of;
     assert_eq!(
         found,

@@ -54,7 +54,8 @@ pub struct Args {
     pub model: Option<Model>,
     /// Rays over the hemisphere of every camera sample, and as many over a specular lobe; 0 leaves ambient light out
     #[arg(help_heading = "Rays")]
-    #[arg(long, value_name = "N", default_value_t = 64, conflicts_with = "bake", value_parser = whole::<u32>(0..=65_536))]
+    #[arg(long, value_name = "N", default_value_t = 64, conflicts_with = "bake")]
+    #[arg(value_parser = whole::<u32>(0..=65_536))]
     pub rays: u32,
     /// Take the ambient model from the finished bake of SCENE in DIR instead; its Phong term is that of the view the
     /// bake was made for (`bake --view`), not of this camera

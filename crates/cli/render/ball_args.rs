@@ -12,8 +12,8 @@ pub struct Balls {
     /// there; several are separated by semicolons. With --bake its light is that of the bake. It casts no shadow
     /// [default radius: a fortieth of the scene]
     #[arg(help_heading = "Balls")]
-    #[arg(long, value_name = "X,Y,Z[,RADIUS];..", value_delimiter = ';', allow_hyphen_values = true, value_parser = ball,
-          conflicts_with_all = ["figure", "shading", "encode"])]
+    #[arg(long, value_name = "X,Y,Z[,RADIUS];..", value_delimiter = ';', allow_hyphen_values = true,
+          value_parser = ball, conflicts_with_all = ["figure", "shading", "encode"])]
     pub probe_ball: Vec<Place>,
     /// Light the balls by the volume in this STEM.probes.json, as engines do: linearly between the probes around
     #[arg(help_heading = "Balls", hide_short_help = true)]
@@ -21,8 +21,8 @@ pub struct Balls {
     pub probes: Option<PathBuf>,
     /// Mirror ball at X,Y,Z of this radius, along whose rays the scene is seen; as --probe-ball
     #[arg(help_heading = "Balls")]
-    #[arg(long, value_name = "X,Y,Z[,RADIUS];..", value_delimiter = ';', allow_hyphen_values = true, value_parser = ball,
-          conflicts_with_all = ["figure", "shading", "encode"])]
+    #[arg(long, value_name = "X,Y,Z[,RADIUS];..", value_delimiter = ';', allow_hyphen_values = true,
+          value_parser = ball, conflicts_with_all = ["figure", "shading", "encode"])]
     pub mirror_ball: Vec<Place>,
     /// Let mirror balls show this map of their surroundings, as engines do: a picture that `ambake probes
     /// --reflections` wrote, .exr or .hdr
@@ -32,7 +32,13 @@ pub struct Balls {
     /// The map is as far away as the walls of this box, by two corners: the `room` of the reflection [default:
     /// endlessly far]
     #[arg(help_heading = "Balls", hide_short_help = true)]
-    #[arg(long, value_name = "X,Y,Z:X,Y,Z", requires = "reflection", allow_hyphen_values = true, value_parser = corners)]
+    #[arg(
+        long,
+        value_name = "X,Y,Z:X,Y,Z",
+        requires = "reflection",
+        allow_hyphen_values = true
+    )]
+    #[arg(value_parser = corners)]
     pub room: Option<[[f64; 3]; 2]>,
 }
 

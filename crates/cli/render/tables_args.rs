@@ -10,7 +10,8 @@ use std::path::PathBuf;
 /// Shading from tables: section 3 of the 1984 text.
 #[derive(ClapArgs)]
 #[command(group = ArgGroup::new("shading").multiple(true)
-    .conflicts_with_all(["bake", "figure", "model", "rays", "sky", "background", "sun", "point", "sphere", "rect", "max_distance", "exponent"]))]
+    .conflicts_with_all(["bake", "figure", "model", "rays", "sky", "background", "sun", "point", "sphere", "rect",
+        "max_distance", "exponent"]))]
 #[command(group = ArgGroup::new("lit").multiple(true))]
 pub struct Tables {
     /// Shade from the reflection maps D and S, as `ambake map diffuse` and `specular` write them
@@ -31,8 +32,8 @@ pub struct Tables {
     #[arg(help_heading = "Surfaces")]
     #[arg(long, value_enum, groups = ["shading", "lit"], requires_ifs([
         ("phong", "maps"), ("retro", "maps"), ("varnish", "maps"),
-        ("varnish", "environment"), ("mirror", "environment"), ("refraction", "environment"), ("luminous", "environment"),
-        ("traced", "environment"),
+        ("varnish", "environment"), ("mirror", "environment"), ("refraction", "environment"),
+        ("luminous", "environment"), ("traced", "environment"),
     ]))]
     pub shader: Option<ShaderName>,
     /// Another surface type for the objects of this name, as in `urn*=mirror`; * stands for any characters, ? for one.
@@ -72,11 +73,14 @@ pub struct Tables {
     /// Write the normals that the camera sees as codes in place of a picture, with camera and materials in the header
     /// of the .exr, for --relight
     #[arg(help_heading = "Tables", hide_short_help = true)]
-    #[arg(long, value_name = "CODE", value_parser = word::<NormalCode>(), conflicts_with_all = ["shading", "bake", "figure"])]
+    #[arg(long, value_name = "CODE", value_parser = word::<NormalCode>())]
+    #[arg(conflicts_with_all = ["shading", "bake", "figure"])]
     pub encode: Option<NormalCode>,
     /// SCENE is a picture that --encode wrote: shade it from --maps
     #[arg(help_heading = "Tables", hide_short_help = true)]
-    #[arg(long, requires = "maps", conflicts_with_all = ["shader_of", "frames", "path", "normals", "eye", "look", "up", "fov_deg", "size", "samples", "normal_maps"])]
+    #[arg(long, requires = "maps")]
+    #[arg(conflicts_with_all = ["shader_of", "frames", "path", "normals", "eye", "look", "up", "fov_deg", "size",
+        "samples", "normal_maps"])]
     pub relight: bool,
     /// Frames of a sequence OUT.0000.exr, OUT.0001.exr, … [default with --path: one a key]
     #[arg(help_heading = "Files", hide_short_help = true)]

@@ -22,7 +22,8 @@ pub enum Error {
         library: Version,
     },
     /// This CPU cannot run the kernels.
-    #[error("this CPU has no kernels of the instruction set asked for ({}): choose a lower one", isa.map_or("the default", Isa::name))]
+    #[error("this CPU has no kernels of the instruction set asked for ({}): choose a lower one",
+        isa.map_or("the default", Isa::name))]
     UnsupportedCpu {
         /// What [`crate::DeviceConfig::isa`] said.
         isa: Option<Isa>,

@@ -259,7 +259,8 @@ fn uncertain(
         let determinant = dd * ss - ds * ds;
         if determinant <= TOLD * dd * ss {
             return Err(Error::Text(
-                "the pictures do not tell diffuse and specular light apart; show the shape at more angles to its surface",
+                "the pictures do not tell diffuse and specular light apart; \
+                 show the shape at more angles to its surface",
             ));
         }
         let inverse = [ss / determinant, -ds / determinant, dd / determinant];

@@ -47,7 +47,8 @@ pub fn mosaic(photos: &[Image; 6], fov: f64, equal: bool) -> Result<Mosaic, Erro
     let whole = fov.is_finite() && fov < std::f64::consts::PI && wide > 1.0 - 1e-9;
     if !whole {
         return Err(Error::Shape(format!(
-            "six photographs of {} degrees do not show everything; their field of view is 90 degrees or more, below 180",
+            "six photographs of {} degrees do not show everything; \
+             their field of view is 90 degrees or more, below 180",
             fov.to_degrees()
         )));
     }

@@ -46,7 +46,8 @@ pub enum Error {
         function: &'static str,
     },
     /// A library of another version, whose functions may have other types.
-    #[error("{file} is version {}.{} of Intel Open Image Denoise; this ambake calls 1 and 2", version / 10_000, version / 100 % 100)]
+    #[error("{file} is version {}.{} of Intel Open Image Denoise; this ambake calls 1 and 2", version / 10_000,
+        version / 100 % 100)]
     Version {
         /// Name or path of the library.
         file: String,

@@ -49,7 +49,8 @@ pub enum Error {
         what: &'static str,
     },
     /// This build has no reader of such files.
-    #[error("{}: this program was built without a reader of such files; build it with the feature `obj` or `gltf` of ambake", path.display())]
+    #[error("{}: this program was built without a reader of such files; \
+        build it with the feature `obj` or `gltf` of ambake", path.display())]
     NotBuilt {
         /// The file.
         path: PathBuf,

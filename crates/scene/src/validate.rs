@@ -6,7 +6,7 @@
 //!
 //! | finding | verdict |
 //! |---|---|
-//! | absent, empty or unreadable scene file, buffer; directory for a file; wrong magic; truncated file or buffer | error |
+//! | scene file or buffer absent, empty, unreadable or cut short; directory for a file; wrong magic | error |
 //! | broken JSON, broken OBJ number, index 0 in OBJ, reference out of range, cycle of nodes | error |
 //! | required extension that is not implemented | error `Extension` |
 //! | vertex index out of range | error |
@@ -14,8 +14,8 @@
 //! | instance that reaches beyond [`REACH`] in the world, or whose matrix is not finite or not affine | error |
 //! | instance of which no side is as long as 1e-12 units, or whose transform has no inverse | left out |
 //! | no triangle in the whole scene | error `NoTriangles` |
-//! | what the scene can do without (a picture, an attribute but positions, a material's property) and is broken | left out |
-//! | built in memory: normals or UVs not one a vertex, material number out of range, texture of another size | error `Authored` |
+//! | broken, but the scene can do without (picture, attribute but positions, property of a material) | left out |
+//! | in memory: normals or UVs not one a vertex, material number out of range, texture of another size | `Authored` |
 //! | normal that is not of unit length | made so, silently |
 
 use crate::around;
@@ -125,7 +125,8 @@ pub(crate) fn faces(
         .position(|t| t.iter().any(|&i| i as usize >= vertices))
     {
         let problem = format!(
-            "triangle {t} uses vertices {:?} but there are {vertices}; its indices are corrupt, export or build it again",
+            "triangle {t} uses vertices {:?} but there are {vertices}; its indices are corrupt, \
+             export or build it again",
             mesh.triangles[t]
         );
         return Err(input.invalid(place, problem));
@@ -198,7 +199,8 @@ fn bad_positions(input: &mut Input, mesh: &mut Mesh, place: &str) -> Result<(), 
         {
             let p = mesh.positions[v as usize];
             let problem = format!(
-                "vertex {v} of triangle {t} lies at ({}, {}, {}), which is not finite or beyond {REACH:e}; repair the mesh",
+                "vertex {v} of triangle {t} lies at ({}, {}, {}), which is not finite or beyond {REACH:e}; \
+                 repair the mesh",
                 p.x, p.y, p.z
             );
             return Err(input.invalid(place, problem));

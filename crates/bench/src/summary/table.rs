@@ -95,7 +95,8 @@ fn table(curves: &[Curve], errors: &[f64], cell: impl Fn(&Curve, f64) -> Option<
 fn efforts(clock: &str, curves: &[Curve]) -> String {
     let mut text = format!(
         "\nEvery effort. `stated` is the RMSE that the bake itself states.\n\n\
-         | technique | effort | rays / texel | RMSE | stated | {clock} s | Mrays / {clock} s |\n|---|---|---|---|---|---|---|\n"
+         | technique | effort | rays / texel | RMSE | stated | {clock} s | Mrays / {clock} s |\n\
+         |---|---|---|---|---|---|---|\n"
     );
     for curve in curves {
         for p in &curve.points {

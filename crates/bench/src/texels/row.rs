@@ -46,7 +46,8 @@ impl Row {
 /// The rows as a Markdown table.
 pub fn markdown(rows: &[Row]) -> String {
     let mut text = String::from(
-        "| test | variant | backend | points | max error | RMSE | p99.9 | bias | criterion | measured | bound | holds |\n\
+        "| test | variant | backend | points | max error | RMSE | p99.9 | bias | criterion | measured | bound \
+         | holds |\n\
          |---|---|---|---|---|---|---|---|---|---|---|---|\n",
     );
     for row in rows {

@@ -107,7 +107,8 @@ impl Photo<'_> {
         let [x, y, z] = self.from;
         if !(y.is_finite() && x.hypot(z).is_finite() && x.hypot(z) > 1e-9 * y.abs()) {
             return shape(format!(
-                "the camera of photograph {index} is along {x},{y},{z}; give a direction that is not straight up or down"
+                "the camera of photograph {index} is along {x},{y},{z}; \
+                 give a direction that is not straight up or down"
             ));
         }
         Ok(())

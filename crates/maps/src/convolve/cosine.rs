@@ -1,9 +1,8 @@
 //! The cosine lobe on polar maps, exact along rows.
 //!
 //! On a row at polar angle θ the cosine to a normal is A + B cos Δ with Δ the difference of longitude. It is positive
-//! for
-//! |Δ| < Δ₀ = arccos(-A/B). Running integrals of I, I cos φ and I sin φ along the row give the integral over that arc in
-//! constant time, ends inside a texel included: the cost is rows times results, whatever the width.
+//! for |Δ| < Δ₀ = arccos(-A/B). Running integrals of I, I cos φ and I sin φ along the row give the integral over that
+//! arc in constant time, ends inside a texel included: the cost is rows times results, whatever the width.
 
 use super::Request;
 use ambient::quadrature::gauss_legendre;

@@ -14,7 +14,8 @@ const LEVELS: usize = 256;
 /// A text of curves is some 20 kB.
 const LONGEST: u64 = 1 << 20;
 
-const LINE: &str = "a level, 0 to 255 in their order, and three exposures, finite and each above that of the level before,";
+const LINE: &str = "a level, 0 to 255 in their order, and three exposures, \
+    finite and each above that of the level before,";
 
 /// The text of the curves of red, green and blue.
 pub fn curves_text(curves: &[Response; 3]) -> String {

@@ -64,7 +64,13 @@ pub fn read_brackets(paths: &[PathBuf], times: &[f64]) -> Result<Vec<Bracket>, E
         };
         for ((shot, bracket), path) in shots.iter().zip(&mut brackets).zip(paths) {
             let value = of(shot).ok_or_else(|| {
-                fail(path, &format!("its EXIF block has no {name}, that of another photograph has; give exposures by --times"))
+                fail(
+                    path,
+                    &format!(
+                        "its EXIF block has no {name}, that of another photograph has; \
+                         give exposures by --times"
+                    ),
+                )
             })?;
             let first = of(&shots[0]).unwrap_or(whole);
             bracket.time *= (value / first).powi(power);

@@ -125,7 +125,10 @@ impl Viewer<'_> {
         let pages: Vec<Value> = self
             .pages
             .iter()
-            .map(|page| json!({ "size": page.size, "texels": page.texels, "planes": page.planes, "harmonics": page.harmonics }))
+            .map(|page| {
+                json!({ "size": page.size, "texels": page.texels, "planes": page.planes,
+                    "harmonics": page.harmonics })
+            })
             .collect();
         let (alphas, alpha_texts): (Vec<Value>, Vec<String>) =
             cutouts.pictures().into_iter().unzip();

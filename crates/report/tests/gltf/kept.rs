@@ -13,7 +13,10 @@ use std::path::{Path, PathBuf};
 
 /// One triangle and what it reads, over two buffers: the second holds UVs and indices.
 fn triangle(first: &str, second: &str) -> Value {
-    let view = |buffer: u32, offset: u32, length: u32| json!({ "buffer": buffer, "byteOffset": offset, "byteLength": length });
+    let view = |buffer: u32, offset: u32, length: u32| {
+        json!({ "buffer": buffer, "byteOffset": offset,
+            "byteLength": length })
+    };
     json!({
         "asset": { "version": "2.0" },
         "scenes": [{ "nodes": [0] }],
@@ -172,7 +175,8 @@ fn a_lightmap_set_of_the_file_is_kept_and_nothing_is_added() {
         "asset": { "version": "2.0" },
         "scenes": [{ "nodes": [0] }],
         "nodes": [{ "mesh": 0 }],
-        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0, "TEXCOORD_0": 1, "TEXCOORD_1": 1 }, "indices": 2 }] }],
+        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0, "TEXCOORD_0": 1, "TEXCOORD_1": 1 },
+        "indices": 2 }] }],
         "accessors": [
             { "bufferView": 0, "componentType": 5126, "count": vertices, "type": "VEC3",
               "min": [0.0, 0.0, 0.5], "max": [19_999.0, 7912.0, 0.5] },

@@ -113,7 +113,8 @@ fn lamps_of_an_obj_scene_keep_their_radiance() {
 fn materials_of_an_obj_scene_come_back_as_they_were() {
     let dir = tempfile::tempdir().unwrap();
     let at = |name: &str| dir.path().join(name);
-    let library = "newmtl matt\nKd 1 0.5 0.25\nnewmtl coat\nKd 0.5 0.25 0.125\nKs 0.25 0.5 0\nNs 40\nnewmtl both\nKd 1 1 1\nKs 1 1 1\n";
+    let library = "newmtl matt\nKd 1 0.5 0.25\nnewmtl coat\nKd 0.5 0.25 0.125\nKs 0.25 0.5 0\nNs 40\nnewmtl both\n\
+        Kd 1 1 1\nKs 1 1 1\n";
     fs::write(at("a.mtl"), library).unwrap();
     let corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
     let faces = ["matt", "coat", "both"].map(|name| format!("usemtl {name}\nf 1 2 3\n"));

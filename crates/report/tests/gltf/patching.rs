@@ -186,7 +186,10 @@ fn primitives_that_share_a_large_array_are_written() {
     for index in corners_of.as_flattened() {
         bin.extend(index.to_le_bytes());
     }
-    let indices = |k: u32| json!({ "bufferView": 1, "byteOffset": 12 * k, "componentType": 5125, "count": 3, "type": "SCALAR" });
+    let indices = |k: u32| {
+        json!({ "bufferView": 1, "byteOffset": 12 * k, "componentType": 5125, "count": 3,
+            "type": "SCALAR" })
+    };
     let document = json!({
         "asset": { "version": "2.0" },
         "scene": 0,
@@ -293,7 +296,8 @@ fn squares(uv_sets: [usize; 2]) -> (Value, Vec<u8>) {
         "nodes": [{ "mesh": 0 }, { "mesh": 1, "translation": [3, 0, 0] }],
         "meshes": meshes, "accessors": accessors, "bufferViews": views,
         "buffers": [{ "byteLength": bin.len() }],
-        "materials": [{ "pbrMetallicRoughness": { "metallicFactor": 0, "baseColorTexture": { "index": 0, "texCoord": 1 } } }],
+        "materials": [{ "pbrMetallicRoughness": { "metallicFactor": 0,
+        "baseColorTexture": { "index": 0, "texCoord": 1 } } }],
         "images": [{ "uri": picture }], "textures": [{ "source": 0 }],
     });
     (document, bin)

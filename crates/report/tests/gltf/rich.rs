@@ -14,7 +14,8 @@ pub fn rich() -> (Value, Vec<u8>) {
         bin.resize(bin.len().next_multiple_of(4), 0);
         views.push(json!({ "buffer": 0, "byteOffset": bin.len(), "byteLength": bytes.len() }));
         bin.extend(bytes);
-        let mut accessor = json!({ "bufferView": views.len() - 1, "componentType": kind, "count": count, "type": shape });
+        let mut accessor = json!({ "bufferView": views.len() - 1, "componentType": kind, "count": count,
+            "type": shape });
         accessor
             .as_object_mut()
             .unwrap()

@@ -10,9 +10,10 @@ use serde_json::{Value, json};
 /// The properties of glTF that are integers, and lists of them.
 #[rustfmt::skip]
 const INTEGERS: &[&str] = &[
-    "buffer", "bufferView", "byteLength", "byteOffset", "byteStride", "camera", "children", "componentType", "count", "index", "indices",
-    "input", "inverseBindMatrices", "joints", "light", "magFilter", "material", "mesh", "minFilter", "mode", "node", "nodes", "output",
-    "sampler", "scene", "skeleton", "skin", "source", "target", "texCoord", "wrapS", "wrapT",
+    "buffer", "bufferView", "byteLength", "byteOffset", "byteStride", "camera", "children", "componentType", "count",
+    "index", "indices", "input", "inverseBindMatrices", "joints", "light", "magFilter", "material", "mesh", "minFilter",
+    "mode", "node", "nodes", "output", "sampler", "scene", "skeleton", "skin", "source", "target", "texCoord",
+    "wrapS", "wrapT",
 ];
 
 /// The lists of a document whose elements are objects.

@@ -54,7 +54,8 @@ fn rich() -> Document {
     let image = document.view(&png(&[[255, 0, 0, 255], [0, 255, 0, 0]]));
     document.json["images"] = json!([{ "bufferView": image, "mimeType": "image/png" }]);
     document.json["textures"] = json!([{ "source": 0 }]);
-    document.json["materials"] = json!([{ "alphaMode": "MASK", "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }]);
+    document.json["materials"] = json!([{ "alphaMode": "MASK",
+        "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }]);
     *document.primitive() = json!({ "indices": indices, "material": 0,
         "attributes": { "POSITION": 1, "TEXCOORD_0": uvs, "NORMAL": normals } });
     let places = document.floats("VEC3", &[0., 0., 1., 0., 0., 2.]);

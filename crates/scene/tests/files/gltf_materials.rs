@@ -20,7 +20,8 @@ fn materials_follow_the_file_and_a_primitive_without_one_is_untinted() {
         {},
         { "alphaMode": "BLEND", "pbrMetallicRoughness": { "baseColorFactor": [0.5, 1, 3, 0.75], "baseColorTexture":
             { "index": 0, "extensions": turned } }, "extensions": { "KHR_materials_ior": { "ior": 2 },
-            "KHR_materials_specular": { "specularFactor": 0.5 }, "KHR_materials_sheen": { "sheenColorFactor": [0, 1, 0] } } },
+            "KHR_materials_specular": { "specularFactor": 0.5 },
+            "KHR_materials_sheen": { "sheenColorFactor": [0, 1, 0] } } },
         { "pbrMetallicRoughness": { "baseColorTexture": { "index": 1 } }, "normalTexture": { "index": 0 } },
     ]);
     let positions = document.primitive()["attributes"]["POSITION"].clone();
@@ -120,7 +121,8 @@ fn textured(textures: Value, images: impl FnOnce(&mut Document) -> Value) -> Doc
     let uvs = document.floats("VEC2", &[0.; 6]);
     document.json["images"] = images(&mut document);
     document.json["textures"] = textures;
-    document.json["materials"] = json!([{ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 }, "metallicFactor": 0 } }]);
+    document.json["materials"] = json!([{ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 },
+        "metallicFactor": 0 } }]);
     document.primitive()["attributes"]["TEXCOORD_0"] = json!(uvs);
     document.primitive()["material"] = json!(0);
     document

@@ -93,9 +93,13 @@ fn the_same_picture_under_several_names_is_decoded_and_kept_once() {
     document.primitive()["attributes"]["TEXCOORD_0"] = json!(uvs);
     document.primitive()["material"] = json!(0);
     let view = document.view(&red);
-    document.json["images"] = json!([{ "uri": "red.png" }, { "uri": "black.png" }, { "uri": "copy.png", "name": "other" },
+    document.json["images"] = json!([{ "uri": "red.png" }, { "uri": "black.png" },
+        { "uri": "copy.png", "name": "other" },
         { "bufferView": view, "mimeType": "image/png" }, { "uri": "red.png" }]);
-    let each = |i: usize| json!({ "pbrMetallicRoughness": { "baseColorTexture": { "index": i } }, "normalTexture": { "index": i } });
+    let each = |i: usize| {
+        json!({ "pbrMetallicRoughness": { "baseColorTexture": { "index": i } },
+            "normalTexture": { "index": i } })
+    };
     document.json["textures"] = (0..5).map(|i| json!({ "source": i })).collect();
     document.wear((0..5).map(each).collect());
     let scene = folder.load("a.glb", document.glb()).unwrap();

@@ -157,7 +157,8 @@ fn black_beside_a_picture_is_the_picture_and_is_told_of() {
         .write_to(&mut png, image::ImageFormat::Png)
         .expect("it is encoded");
     folder.write("p.png", png.into_inner());
-    let text = "newmtl pictured\nKd 0 0 0\nmap_Kd p.png\nnewmtl black\nKd 0 0 0\nnewmtl dark\nKd 0 0 0.01\nmap_Kd p.png\n";
+    let text = "newmtl pictured\nKd 0 0 0\nmap_Kd p.png\nnewmtl black\nKd 0 0 0\nnewmtl dark\nKd 0 0 0.01\n\
+        map_Kd p.png\n";
     folder.write("a.mtl", text);
     let uses = ["pictured", "black", "dark"].map(|name| format!("usemtl {name}\nf 1/1 2/2 3/3\n"));
     let uvs = "vt 0 0\nvt 1 0\nvt 0 1\n";

@@ -143,7 +143,8 @@ fn only_pictures_that_something_uses_are_taken_along() {
     folder.write("words.png", "root:x:0:0");
     let images = json!([{ "uri": "used.png" }, { "uri": "unused.png" }, { "uri": "words.png", "mimeType": "image/png" },
         { "uri": "used.png" }, { "uri": "sky.png" }]);
-    let textures = json!([{ "source": 0 }, { "source": 2 }, { "extensions": { "KHR_texture_basisu": { "source": 3 } } }]);
+    let textures = json!([{ "source": 0 }, { "source": 2 },
+        { "extensions": { "KHR_texture_basisu": { "source": 3 } } }]);
     let mut document = textured(images, textures);
     document.json["extensions"] =
         json!({ "EXT_lights_image_based": { "lights": [{ "specularImages": [[4]] }] } });

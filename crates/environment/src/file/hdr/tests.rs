@@ -189,7 +189,8 @@ fn no_flipped_byte_panics() {
 }
 
 /// The header that Photoshop writes.
-const PHOTOSHOP: &str = "#?RADIANCE\n# Made with Adobe Photoshop\nGAMMA=1\nPRIMARIES=0 0 0 0 0 0 0 0\nFORMAT=32-bit_rle_rgbe\n\n";
+const PHOTOSHOP: &str = "#?RADIANCE\n# Made with Adobe Photoshop\nGAMMA=1\nPRIMARIES=0 0 0 0 0 0 0 0\n\
+    FORMAT=32-bit_rle_rgbe\n\n";
 
 /// One channel of a scanline in pieces of at most `longest` values: a run where all are equal, else the values.
 fn pieces(values: &[u8], longest: usize) -> Vec<u8> {

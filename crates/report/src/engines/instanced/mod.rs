@@ -173,7 +173,8 @@ mod tests {
                 { "mesh": 5, "name": "alone" },
                 { "mesh": 5, "name": "mirrored", "scale": [1, -1, 1] },
             ],
-            "animations": [{ "channels": [{ "sampler": 0, "target": { "node": 5, "path": "translation" } }], "samplers": [{ "input": 0, "output": 0 }] }],
+            "animations": [{ "channels": [{ "sampler": 0, "target": { "node": 5, "path": "translation" } }],
+            "samplers": [{ "input": 0, "output": 0 }] }],
             "meshes": [], "accessors": [], "bufferViews": [],
         });
         let mut bin = Vec::new();

@@ -145,7 +145,8 @@ fn decoded(document: &GltfDocument, packed: &Value, left: &mut usize) -> Result<
             let mode: String = mode.chars().take(16).collect();
             let filter: String = filter.chars().take(16).collect();
             return Err(format!(
-                "mode {mode:?} with {count} elements of {stride} bytes and filter {filter:?} is none that the format has"
+                "mode {mode:?} with {count} elements of {stride} bytes and filter {filter:?} is none \
+                 that the format has"
             ));
         }
     };
