@@ -37,8 +37,8 @@ fn embree() -> Value {
     let Some(headers) = embree::header_version() else {
         return json!({
             "usable": null,
-            "reason": "not built in: libembree-dev and libclang-dev were not found at build time; \
-                       install both and build again, or bake with obvhs",
+            "reason": "not built in: AMBAKE_NO_EMBREE left it out, as in the archive of a release, or the build found \
+                       no libembree-dev and libclang-dev; build again with both, or bake with obvhs",
         });
     };
     match embree::Device::new(&embree::DeviceConfig::default()) {
