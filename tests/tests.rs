@@ -70,6 +70,7 @@ mod report;
 mod saved;
 mod shading;
 mod shards;
+mod shores;
 mod shut;
 mod sky;
 mod stands;
