@@ -1,7 +1,6 @@
 //! The outsides of rooms, which nobody within sees.
 
 use crate::eyes::is_seen;
-use crate::job::Job;
 use crate::points::PLASTIC;
 use atlas::{Atlas, SurfacePoint};
 use glam::{DVec2, DVec3, Vec2};
@@ -89,10 +88,10 @@ impl Look {
     }
 }
 
-/// Looks from [`POINTS`] points that are spread over the texels of a job.
-pub(crate) fn looks(job: &Job) -> Vec<Look> {
-    let points = spread(job.world().scene(), job.atlas()).into_iter();
-    let look = |point| Look::at(job.world(), job.backend(), point);
+/// Looks from [`POINTS`] points that are spread over the texels of an atlas.
+pub(crate) fn looks(world: &World, backend: &dyn RayBackend, atlas: &Atlas) -> Vec<Look> {
+    let points = spread(world.scene(), atlas).into_iter();
+    let look = |point| Look::at(world, backend, point);
     points.filter_map(look).collect()
 }
 

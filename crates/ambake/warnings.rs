@@ -72,7 +72,7 @@ impl Job {
         // Whoever asks for densities in the file knows that they differ.
         let asks = self.scene().instances.iter().any(|of| of.density.is_some());
         let uneven = (is_shared && !asks).then(|| self.layout_report().uneven_density());
-        let looks = self.within(|| looks(self));
+        let looks = self.within(|| looks(self.world(), self.backend(), self.atlas()));
         let of_scene = self
             .scene()
             .warnings

@@ -88,7 +88,8 @@ fn look_among(
         return;
     }
     let left = match whole.alike(solids, left, reach) {
-        Ok(seen) => {
+        Ok(is_seen) => {
+            let seen = if is_seen { Seen::ALL } else { Seen::NONE };
             found.extend((footprints.iter()).map(|(number, ..)| (*number, seen.clone())));
             return;
         }

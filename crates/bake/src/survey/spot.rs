@@ -2,7 +2,6 @@
 
 use super::cell::Cell;
 use super::cells::Cells;
-use super::seen::Seen;
 use glam::DVec3;
 use rays::{NUDGE, Solids};
 
@@ -69,9 +68,9 @@ impl Spot {
         extent.fold(self.low.abs().max(self.high.abs()).max_element(), f64::max)
     }
 
-    /// What can be seen of every footprint alike; where that may differ, those of the bodies near it that count for
+    /// Whether every footprint can be seen or none; where that may differ, those of the bodies near it that count for
     /// some of it.
-    pub fn alike(&self, solids: &Solids, near: Vec<u32>, reach: f64) -> Result<Seen, Vec<u32>> {
+    pub fn alike(&self, solids: &Solids, near: Vec<u32>, reach: f64) -> Result<bool, Vec<u32>> {
         let Some(own) = self.own else {
             return Err(near);
         };
@@ -101,12 +100,11 @@ impl Spot {
             }
             base += depth;
             if base > most_taken {
-                return Ok(Seen::NONE);
+                return Ok(false);
             }
         }
         match is_alike {
-            true if base <= 0 => Ok(Seen::ALL),
-            true => Ok(Seen::NONE),
+            true => Ok(base <= 0),
             false => Err(left),
         }
     }

@@ -8,8 +8,8 @@
 
 use super::Solids;
 use super::inward::{Lean, by_mesh};
-use super::topology::{Face, Surface, corners, edges_of};
-use super::weld::weld;
+use super::topology::{Surface, corners, edges_of};
+use super::weld::{Face, weld};
 use scene::Sets;
 use std::collections::HashMap;
 

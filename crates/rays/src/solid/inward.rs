@@ -2,7 +2,8 @@
 //! bodies are told by the sign of their volume, others face by face (`wound.rs`).
 
 use super::placed::{Placed, PlacedTree};
-use super::topology::{Face, Surface, corners};
+use super::topology::{Surface, corners};
+use super::weld::Face;
 use super::{Body, Inside, Solids};
 use glam::DVec3;
 use std::collections::{BTreeMap, HashMap, HashSet};

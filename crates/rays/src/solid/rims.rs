@@ -9,7 +9,8 @@
 use super::Solids;
 use super::covers::Covering;
 use super::placed::{CROSSES, Placed, PlacedTree, box_corners, most_meetings};
-use super::topology::{Face, corners};
+use super::topology::corners;
+use super::weld::Face;
 use crate::solid::NUDGE;
 use glam::DVec3;
 use rayon::prelude::*;

@@ -1,8 +1,9 @@
 //! The surfaces of meshes that are placed together.
 
 use super::spread::MIDDLE;
-use super::topology::{self, Face, Surface, corners};
+use super::topology::{self, Surface, corners};
 use super::tree::SurfaceTree;
+use super::weld::Face;
 use super::wound::{FIRST, Sides, Wound};
 use scene::Scene;
 use std::collections::{HashMap, HashSet};

@@ -7,7 +7,7 @@
 //! was meant.
 
 use super::opening::{Opening, caps, openings};
-use super::weld::{Quick, weld};
+use super::weld::{Face, Quick, weld};
 use glam::{DVec3, Vec3};
 use scene::{Scene, Sets};
 use std::collections::{HashMap, HashSet};
@@ -20,33 +20,6 @@ const HOLED: usize = 1;
 
 /// And no more than so many of those edges for all faces: each face is asked about each hole.
 const MOST_RIMS: usize = 1 << 22;
-
-/// A triangle of a list of meshes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(super) struct Face {
-    pub mesh: u32,
-    pub triangle: u32,
-    /// Its corners run the other way round than the file has them, as those of most of its surface do.
-    pub turned: bool,
-}
-
-impl Face {
-    /// As the file has it.
-    pub fn of(mesh: u32, triangle: u32) -> Self {
-        Self {
-            mesh,
-            triangle,
-            turned: false,
-        }
-    }
-
-    pub(super) fn order<T>(self, [a, b, c]: [T; 3]) -> [T; 3] {
-        match self.turned {
-            true => [a, c, b],
-            false => [a, b, c],
-        }
-    }
-}
 
 /// Triangles that hang together, in the space of their meshes.
 #[derive(Debug, Clone)]

@@ -1,7 +1,8 @@
 //! A tree of boxes over the triangles of one surface: how often it winds around a point, how far a point stands in
 //! front of it, and whether it comes near a box.
 
-use super::topology::{Face, corners};
+use super::topology::corners;
+use super::weld::Face;
 use crate::triangle::{Crossing, ShearedRay};
 use glam::{DAffine3, DVec3, Vec3};
 use scene::Scene;

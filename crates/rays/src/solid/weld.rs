@@ -1,8 +1,34 @@
-//! Corners of faces that are one where their positions are.
+//! Faces of meshes, whose corners are one where their positions are.
 
-use super::topology::Face;
 use scene::Scene;
 use std::collections::HashMap;
+
+/// A triangle of a list of meshes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) struct Face {
+    pub mesh: u32,
+    pub triangle: u32,
+    /// Its corners run the other way round than the file has them, as those of most of its surface do.
+    pub turned: bool,
+}
+
+impl Face {
+    /// As the file has it.
+    pub fn of(mesh: u32, triangle: u32) -> Self {
+        Self {
+            mesh,
+            triangle,
+            turned: false,
+        }
+    }
+
+    pub(super) fn order<T>(self, [a, b, c]: [T; 3]) -> [T; 3] {
+        match self.turned {
+            true => [a, c, b],
+            false => [a, b, c],
+        }
+    }
+}
 
 /// The corners of faces as numbers that are equal where positions are.
 pub(super) fn weld(scene: &Scene, faces: &[Face]) -> Vec<[u32; 3]> {

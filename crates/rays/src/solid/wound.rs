@@ -14,8 +14,9 @@
 use super::placed::{Placed, PlacedTree};
 use super::portal::{Mouth, STOP};
 use super::spread::{MIDDLE, corners_too, parts};
-use super::topology::{Face, Surface, corners};
+use super::topology::{Surface, corners};
 use super::tree::SurfaceTree;
+use super::weld::Face;
 use super::{Covers, NUDGE, Solids};
 use glam::DVec3;
 use rayon::prelude::*;

@@ -16,8 +16,9 @@ mod tests;
 
 use super::Solids;
 use super::placed::{ABOUT, Placed, PlacedTree, Sheet, box_corners, sheets_of};
-use super::topology::{Face, Surface, corners};
+use super::topology::{Surface, corners};
 use super::tree::Slab;
+use super::weld::Face;
 use crate::boxes::Boxes;
 use crate::solid::NUDGE;
 use glam::{DAffine3, DVec3};
