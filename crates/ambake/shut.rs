@@ -14,10 +14,16 @@ const OPEN: u32 = 2;
 /// A shut space is no room where it is no longer than this part of the scene.
 const SMALL: f64 = 0.5;
 
-/// The lowest and the highest corner of the shut space that a point of a surface looks into; `None` where light gets
-/// in.
-fn space(world: &World, backend: &dyn RayBackend, point: &SurfacePoint) -> Option<[DVec3; 2]> {
-    let stand = Stand::at(world, point)?;
+/// True where a point looks into a shut space that is no room of its scene: nobody is in there.
+pub(crate) fn is_in_cupboard(
+    world: &World,
+    backend: &dyn RayBackend,
+    point: &SurfacePoint,
+) -> bool {
+    let Some(stand) = Stand::at(world, point) else {
+        return false;
+    };
+    let longest = SMALL * world.bounds().diagonal();
     let (mut low, mut high, mut left) = (stand.place, stand.place, 0);
     for walk in 0..WALKS {
         let (mut place, mut normal) = (stand.place, stand.normal);
@@ -41,25 +47,15 @@ fn space(world: &World, backend: &dyn RayBackend, point: &SurfacePoint) -> Optio
             };
             place = DVec3::from(ray.origin.map(f64::from)) + direction * f64::from(hit.t);
             (low, high) = (low.min(place), high.max(place));
+            if (high - low).length() > longest {
+                return false;
+            }
         }
         if left >= OPEN {
-            return None;
+            return false;
         }
     }
-    Some([low, high])
-}
-
-/// True where a point looks into a shut space that is no room of its scene: nobody is in there.
-pub(crate) fn is_in_cupboard(
-    world: &World,
-    backend: &dyn RayBackend,
-    point: &SurfacePoint,
-) -> bool {
-    let is_small = |[low, high]: [DVec3; 2]| {
-        let diagonal = world.bounds().diagonal();
-        (high - low).length() <= SMALL * diagonal
-    };
-    space(world, backend, point).is_some_and(is_small)
+    true
 }
 
 /// The k-th direction about a unit normal of those that a matt surface scatters light to, evenly spread.
