@@ -10,10 +10,9 @@
 //! detail by two halves.
 
 use super::fit::Fitter;
-use super::lanes::{LANES, Lanes, larger, smaller};
+use super::lanes::{LANES, Lanes};
 use super::plane::{About, Room, Sheet, rows};
-use super::state::{HALVES, Planes, VALUES, VARIANCE, VARIANCES, WEIGHTS, planes};
-use super::surface::{Surface, SurfaceTerm};
+use super::surface::Surface;
 
 /// Fits that compete, from fine to coarse: a stride, and whether its quadratic and its linear fits do. A quadratic fit
 /// has about the variance of the linear one of half the stride, and less bias.
@@ -44,6 +43,15 @@ const STANDS_OUT: f32 = 0.5;
 /// texel.
 const REFUSES: f32 = 25.0;
 
+/// Planes of what is known of texels while candidates are tried: sums over the candidates by their weights, of the
+/// weights, of variances and of halves; variance and squared bias of the last candidate; and sums of the channels by
+/// the weights.
+const WEIGHTS: usize = 0;
+const VARIANCES: usize = 1;
+const HALVES: usize = 2;
+const VARIANCE: usize = 3;
+const VALUES: usize = 5;
+
 /// What is chosen for the texels of a surface, plane by plane.
 #[derive(Debug)]
 pub(super) struct Chosen(pub Sheet);
@@ -63,19 +71,16 @@ impl Chosen {
     pub const VALUES: usize = 5;
 }
 
-/// What is chosen for the texels of a surface, term by term; `None` where the halves agree everywhere.
+/// What is chosen for the texels of a surface; `None` where the halves agree everywhere.
 ///
+/// * `largest`: the largest value that there is.
 /// * `dark`: the standard error of a neighbourhood of so many texels without light, from that of its texel.
 pub(super) fn choose(
     surface: &Surface,
+    largest: f32,
     dark: impl Fn(f32, f32) -> f32 + Sync,
-) -> Vec<Option<Chosen>> {
-    let about = Neighbours::of(&surface.mask);
-    let begin = |term| Choice::begin(surface, term, &about, &dark);
-    let mut choices: Vec<Option<Choice>> = surface.terms.iter().map(begin).collect();
-    if choices.iter().all(Option::is_none) {
-        return choices.iter().map(|_| None).collect();
-    }
+) -> Option<Chosen> {
+    let mut choice = Choice::begin(surface, largest, dark)?;
     let mut fitter = Fitter::new(surface);
     let mut before = surface.data.clone();
     let mut fitted = [0; 2].map(|_| Sheet::new(surface.size(), before.planes));
@@ -90,55 +95,21 @@ pub(super) fn choose(
             .zip(degrees)
             .filter(|(_, is_tried)| *is_tried)
         {
-            for choice in choices.iter_mut().flatten() {
-                choice.try_fit(stride, &before, now);
-            }
+            choice.try_fit(stride, &before, now);
             std::mem::swap(&mut before, now);
         }
     }
     drop((fitter, before, fitted));
-    let end = |choice: Option<Choice>| choice.map(Choice::end);
-    choices.into_iter().map(end).collect()
+    Some(choice.end())
 }
 
-/// Texels of a surface about each, in 11 x 11 and in 33 x 33.
-struct Neighbours {
-    near: Sheet,
-    far: Sheet,
-    /// How many there are.
-    texels: f64,
-}
-
-impl Neighbours {
-    fn of(mask: &Sheet) -> Self {
-        let (width, height) = (mask.width, mask.height());
-        let [mut near, mut far] = [0; 2].map(|_| Sheet::new([width, height], 1));
-        rows(
-            height,
-            1,
-            [&mut near, &mut far].map(|sheet| &mut sheet.values[..]),
-            #[inline(always)]
-            |first, [near, far]| {
-                let mut room = Room::new(width);
-                let lines = near
-                    .chunks_exact_mut(width)
-                    .zip(far.chunks_exact_mut(width));
-                for (y, (near, far)) in (first..).zip(lines) {
-                    mask.sums(0, y, About::Eleven, &mut room, near);
-                    mask.sums(0, y, About::Wide, &mut room, far);
-                }
-            },
-        );
-        let texels = (0..height).map(|y| f64::from(sum(mask.row(0, y)))).sum();
-        Self { near, far, texels }
-    }
-}
-
-/// Candidates for a term of a surface, tried one after the other.
+/// Candidates of a surface, tried one after the other.
 struct Choice<'a> {
     surface: &'a Surface,
-    term: &'a SurfaceTerm,
-    about: &'a Neighbours,
+    channels: usize,
+    /// Texels of the surface about each, in 11 x 11 and in 33 x 33.
+    near: Sheet,
+    far: Sheet,
     /// Variance of the plain mean, by what is seen near it and by what may reach it from farther away.
     plain: Sheet,
     state: Sheet,
@@ -155,41 +126,48 @@ impl<'a> Choice<'a> {
     /// Begins with the plain values.
     fn begin(
         surface: &'a Surface,
-        term: &'a SurfaceTerm,
-        about: &'a Neighbours,
+        largest: f32,
         dark: impl Fn(f32, f32) -> f32 + Sync,
     ) -> Option<Self> {
-        let data = &surface.data;
+        let (mask, data) = (&surface.mask, &surface.data);
         let size @ [width, height] = surface.size();
+        let channels = data.planes - 1;
         let mut pair = Sheet::new(size, 2);
-        let all_plain = pair.fill(|y, [squares, _]| {
-            for (square, half) in squares.iter_mut().zip(data.row(term.halves(), y)) {
+        let all_plain = pair.fill(|y, [squares, texels]| {
+            let halves = data.row(channels, y);
+            for (square, half) in squares.iter_mut().zip(halves) {
                 *square = half * half;
             }
+            texels.copy_from_slice(mask.row(0, y));
         });
-        let unit = (all_plain / about.texels) as f32;
+        let texels: f64 = (0..height).map(|y| f64::from(sum(mask.row(0, y)))).sum();
+        let unit = (all_plain / texels) as f32;
         if unit < f32::MIN_POSITIVE {
             return None;
         }
+        let [mut near, mut far] = [0; 2].map(|_| Sheet::new(size, 1));
         let mut plain = Sheet::new(size, 2);
-        let of_state = VALUES + term.channels;
-        let mut state = Sheet::new(size, of_state);
+        let mut state = Sheet::new(size, VALUES + channels);
+        let sheets = [&mut state, &mut near, &mut far, &mut plain];
         rows(
             height,
             1,
-            [&mut state, &mut plain].map(|sheet| &mut sheet.values[..]),
+            sheets.map(|sheet| &mut sheet.values[..]),
             #[inline(always)]
-            |first, [state, plain]| {
+            |first, [state, near, far, plain]| {
                 let mut room = Room::new(width);
                 let mut mean = Mean::default();
                 let mut weights = vec![0.0; width];
-                let lines = state.chunks_exact_mut(of_state * width);
-                let lines = lines.zip(plain.chunks_exact_mut(2 * width));
-                for (y, (state, plain)) in (first..).zip(lines) {
-                    let near = about.near.row(0, y);
+                let states = state.chunks_exact_mut((VALUES + channels) * width);
+                for (row, state) in states.enumerate() {
+                    let (y, line) = (first + row, row * width..(row + 1) * width);
+                    let (near, far) = (&mut near[line.clone()], &mut far[line]);
+                    let plain = &mut plain[2 * row * width..2 * (row + 1) * width];
                     let (seen, plain) = plain.split_at_mut(width);
+                    pair.sums(1, y, About::Eleven, &mut room, near);
+                    pair.sums(1, y, About::Wide, &mut room, far);
                     pair.sums(0, y, About::Eleven, &mut room, seen);
-                    let (values, errors) = (mean.row(term, data, y), term.errors.row(0, y));
+                    let (values, errors) = (mean.row(data, y), surface.errors.row(0, y));
                     for x in 0..width {
                         seen[x] /= larger(near[x], 1.0);
                         plain[x] = seen[x];
@@ -201,18 +179,19 @@ impl<'a> Choice<'a> {
                     weights.copy_from_slice(plain);
                     let mut state = planes::<VALUES>(state, width);
                     state.0[VARIANCE].copy_from_slice(plain);
-                    state.count(&mut weights, unit, plain, (term, data, y));
+                    state.count(&mut weights, unit, plain, data, y);
                 }
             },
         );
         Some(Self {
             surface,
-            term,
-            about,
+            channels,
+            near,
+            far,
             plain,
             state,
             pair,
-            share: term.largest.recip(),
+            share: largest.recip(),
             unit,
             all_plain,
         })
@@ -221,13 +200,13 @@ impl<'a> Choice<'a> {
     /// Tries a fit that follows the one `before`.
     fn try_fit(&mut self, stride: usize, before: &Sheet, now: &Sheet) {
         let [width, height] = self.surface.size();
-        let (data, term) = (&self.surface.data, self.term);
+        let (data, channels) = (&self.surface.data, self.channels);
         let (unit, share) = (self.unit, self.share);
-        let (half, of_state) = (term.halves(), VALUES + term.channels);
+        let half = channels;
         let all_fitted = self.pair.fill(|y, [squares, moves]| {
             let mut means = <[Mean; 2]>::default();
             let [now_mean, before_mean] = means.each_mut();
-            let (m, before_m) = (now_mean.row(term, now, y), before_mean.row(term, before, y));
+            let (m, before_m) = (now_mean.row(now, y), before_mean.row(before, y));
             let (h, before_h) = (now.row(half, y), before.row(half, y));
             for x in 0..width {
                 squares[x] = h[x] * h[x];
@@ -236,8 +215,8 @@ impl<'a> Choice<'a> {
         });
         let reduced = (all_fitted / self.all_plain) as f32;
         let (about, counts) = match stride >= WIDE {
-            true => (About::Wide, &self.about.far),
-            false => (About::Eleven, &self.about.near),
+            true => (About::Wide, &self.far),
+            false => (About::Eleven, &self.near),
         };
         // Texels that share one move.
         let shared = (stride * stride) as f32 / 4.0;
@@ -252,12 +231,13 @@ impl<'a> Choice<'a> {
                 let mut means = <[Mean; 2]>::default();
                 let mut lines = vec![0.0; 4 * width];
                 let Planes([squares, moves, risks, own], _) = planes(&mut lines, width);
-                let states = state.chunks_exact_mut(of_state * width);
-                for (y, state) in (first..).zip(states) {
+                let states = state.chunks_exact_mut((VALUES + channels) * width);
+                for (row, state) in states.enumerate() {
+                    let y = first + row;
                     pair.sums(0, y, about, &mut room, squares);
                     pair.sums(1, y, about, &mut room, moves);
                     let [now_mean, plain_mean] = means.each_mut();
-                    let (m, plain_m) = (now_mean.row(term, now, y), plain_mean.row(term, data, y));
+                    let (m, plain_m) = (now_mean.row(now, y), plain_mean.row(data, y));
                     let (h, plain_h) = (now.row(half, y), data.row(half, y));
                     let (counts, plain, own_moves) =
                         (counts.row(0, y), plain.row(1, y), pair.row(1, y));
@@ -281,7 +261,7 @@ impl<'a> Choice<'a> {
                         variances[x] = variance;
                         biases[x] = bias;
                     }
-                    state.count(risks, unit, own, (term, now, y));
+                    state.count(risks, unit, own, now, y);
                 }
             },
         );
@@ -291,15 +271,14 @@ impl<'a> Choice<'a> {
     /// neighbours pool theirs, as those of plain values are.
     fn end(mut self) -> Chosen {
         let size @ [width, height] = self.surface.size();
-        let (mask, data, term) = (&self.surface.mask, &self.surface.data, self.term);
-        let channels = term.channels;
+        let (mask, data, channels) = (&self.surface.mask, &self.surface.data, self.channels);
         let state = &self.state;
         self.pair.fill(|y, [variances, biases]| {
             let mut mean = Mean::default();
-            let mean = mean.row(term, data, y);
+            let mean = mean.row(data, y);
             let (mask, weights) = (mask.row(0, y), state.row(WEIGHTS, y));
             let (own, halves) = (state.row(VARIANCES, y), state.row(HALVES, y));
-            let halves_before = data.row(term.halves(), y);
+            let halves_before = data.row(channels, y);
             let value = |x: usize| match channels {
                 1 => state.row(VALUES, y)[x],
                 _ => {
@@ -320,7 +299,7 @@ impl<'a> Choice<'a> {
             }
         });
         let mut chosen = Sheet::new(size, Chosen::VALUES + channels);
-        let (pair, near, plain) = (&self.pair, &self.about.near, &self.plain);
+        let (pair, near, plain) = (&self.pair, &self.near, &self.plain);
         rows(
             height,
             1,
@@ -355,8 +334,7 @@ impl<'a> Choice<'a> {
                         }
                     }
                     for (channel, values) in values.chunks_exact_mut(width).enumerate() {
-                        let sums = state.row(VALUES + channel, y);
-                        let before = data.row(term.first + channel, y);
+                        let (sums, before) = (state.row(VALUES + channel, y), data.row(channel, y));
                         for x in 0..width {
                             values[x] = match plain[x] > 0.0 {
                                 true => sums[x] / weights[x],
@@ -371,21 +349,64 @@ impl<'a> Choice<'a> {
     }
 }
 
+/// A row of a sheet: its first planes, then the rest.
+struct Planes<'a, const N: usize>([&'a mut [f32]; N], &'a mut [f32]);
+
+#[inline(always)]
+fn planes<const N: usize>(row: &mut [f32], width: usize) -> Planes<'_, N> {
+    let (first, rest) = row.split_at_mut(N * width);
+    let mut planes = [0; N].map(|_| <&mut [f32]>::default());
+    for (plane, row) in planes.iter_mut().zip(first.chunks_exact_mut(width)) {
+        *plane = row;
+    }
+    Planes(planes, rest)
+}
+
+impl Planes<'_, VALUES> {
+    /// Counts a candidate by its errors, in units of `unit`; they become its weights. Errors below 1e-5 of it weigh
+    /// alike, and so do those beyond 1e5.
+    #[inline(always)]
+    fn count(&mut self, errors: &mut [f32], unit: f32, variances: &[f32], of: &Sheet, y: usize) {
+        let Self([weights, all_variances, halves, ..], values) = self;
+        let channels = of.planes - 1;
+        for error in &mut *errors {
+            let inverse = 1.0 / smaller(larger(*error / unit, 1e-5), 1e5);
+            let square = inverse * inverse;
+            *error = square * square * square;
+        }
+        for (sum, weight) in weights.iter_mut().zip(&*errors) {
+            *sum += weight;
+        }
+        add(all_variances, errors, variances);
+        add(halves, errors, of.row(channels, y));
+        for (channel, values) in values.chunks_exact_mut(of.width).enumerate() {
+            add(values, errors, of.row(channel, y));
+        }
+    }
+}
+
+#[inline(always)]
+fn add(sums: &mut [f32], weights: &[f32], numbers: &[f32]) {
+    for ((sum, weight), number) in sums.iter_mut().zip(weights).zip(numbers) {
+        *sum += weight * number;
+    }
+}
+
 /// The mean of the channels along a row; it needs no room where there is one.
 #[derive(Default)]
 struct Mean(Vec<f32>);
 
 impl Mean {
     #[inline(always)]
-    fn row<'b>(&'b mut self, term: &SurfaceTerm, sheet: &'b Sheet, y: usize) -> &'b [f32] {
-        let channels = term.first..term.halves();
-        if channels.len() == 1 {
-            return sheet.row(term.first, y);
+    fn row<'b>(&'b mut self, sheet: &'b Sheet, y: usize) -> &'b [f32] {
+        let channels = sheet.planes - 1;
+        if channels == 1 {
+            return sheet.row(0, y);
         }
         self.0.clear();
         self.0.extend((0..sheet.width).map(|x| {
-            let sum: f32 = channels.clone().map(|c| sheet.row(c, y)[x]).sum();
-            sum / term.channels as f32
+            let sum: f32 = (0..channels).map(|channel| sheet.row(channel, y)[x]).sum();
+            sum / channels as f32
         }));
         &self.0
     }
@@ -403,6 +424,17 @@ fn moved([m, before_m]: [f32; 2], [h, before_h]: [f32; 2]) -> f32 {
 #[inline(always)]
 fn spreads(mean: f32, share: f32) -> f32 {
     larger(mean, f32::MIN_POSITIVE) * (1.0 - smaller(mean * share, 0.999))
+}
+
+/// The larger of two numbers, in one instruction.
+#[inline(always)]
+fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+#[inline(always)]
+fn smaller(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
 }
 
 /// The sum of a row of whole lanes.
@@ -433,5 +465,36 @@ impl Sheet {
             },
         );
         sums.iter().copied().map(f64::from).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn candidates_weigh_by_the_sixth_power_of_their_error() {
+        // Errors are squared already as risks: 2 against 1 is a sixty-fourth. The unit does not matter; errors that are
+        // hardly any weigh alike.
+        let share = 1.0 / 64.0;
+        let expected = (3.0 + 7.0 * share) / (1.0 + share);
+        for (errors, unit, expected) in [
+            ([1.0, 2.0], 1.0, expected),
+            ([100.0, 200.0], 100.0, expected),
+            ([0.0, 1e-6], 1.0, 5.0),
+        ] {
+            let mut state = Sheet::new([LANES, 1], VALUES + 1);
+            for (error, value) in errors.into_iter().zip([3.0, 7.0]) {
+                let mut fit = Sheet::new([LANES, 1], 2);
+                fit.row_mut(0, 0).fill(value);
+                let mut state = planes::<VALUES>(&mut state.values, LANES);
+                let (mut errors, variances) = ([error; LANES], [0.0; LANES]);
+                state.count(&mut errors, unit, &variances, &fit, 0);
+            }
+            for x in 0..LANES {
+                let value = state.row(VALUES, 0)[x] / state.row(WEIGHTS, 0)[x];
+                assert!((value - expected).abs() < 1e-6, "{value} of {expected}");
+            }
+        }
     }
 }

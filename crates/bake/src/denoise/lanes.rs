@@ -95,15 +95,3 @@ impl Mul<f32> for Lanes {
         self
     }
 }
-
-/// The larger of two numbers, in one instruction.
-#[inline(always)]
-pub(super) fn larger(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
-}
-
-/// The smaller one.
-#[inline(always)]
-pub(super) fn smaller(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
-}

@@ -16,7 +16,6 @@ mod lanes;
 mod lines;
 pub(crate) mod oidn;
 mod plane;
-mod state;
 mod stated;
 mod steep;
 mod strays;
@@ -24,7 +23,7 @@ mod surface;
 
 use crate::seams::SeamPoint;
 use beyond::{Beyond, Borders};
-use charts::{Area, Band, Chart, Charts, Run, charts};
+use charts::{Area, Band, Charts, Run, charts};
 use choose::{Chosen, choose};
 use features::Features;
 pub(crate) use field::Field;
@@ -33,7 +32,7 @@ use rayon::prelude::*;
 use stated::{Predicted, Seen, Squares, Stated};
 use std::ops::Range;
 use steep::steepness;
-use surface::{FEATURES, Surface, SurfaceTerm};
+use surface::{FEATURES, Surface};
 
 /// Charts of fewer texels keep their plain values: too few to tell noise from detail.
 const FEWEST: usize = 4;
@@ -41,9 +40,6 @@ const FEWEST: usize = 4;
 /// Texels of a chart that are fitted at a time, each of which takes some 100 to 230 bytes meanwhile. Most charts have
 /// fewer.
 const AT_A_TIME: usize = 1 << 21;
-
-/// Texels of a page, times the terms that are denoised together, at most.
-const TOGETHER: usize = 1 << 23;
 
 /// Where halves of a chart differ less than by this share of the standard errors of its texels, in squares, they agree
 /// by chance.
@@ -124,29 +120,33 @@ impl<'a> Denoiser<'a> {
         }
     }
 
-    /// So many terms are denoised together at most: what is known of the texels of a page is held for all of them.
-    pub fn together(&self) -> usize {
-        (TOGETHER / (self.size * self.size)).max(1)
-    }
-
-    /// What changes of each term, in parts that share no texel.
-    pub fn denoise(&self, terms: &[Term<'_>]) -> Vec<Vec<Denoised>> {
+    /// What changes of the term, in parts that share no texel.
+    pub fn denoise(&self, term: &Term<'_>) -> Vec<Denoised> {
         let tasks = self.tasks();
         let tasks = tasks.par_iter().with_max_len(1);
-        let found = tasks.map(|charts| {
+        let parts = tasks.map(|charts| {
             let charts = charts
                 .clone()
                 .filter(|chart| self.charts.charts[*chart].texels >= FEWEST);
             charts
-                .flat_map(|chart| self.chart(chart as u32, terms))
+                .flat_map(|chart| self.chart(chart as u32, term))
                 .collect()
         });
-        let found: Vec<Vec<(usize, Part)>> = found.collect();
-        let mut parts: Vec<Vec<Part>> = terms.iter().map(|_| Vec::new()).collect();
-        for (term, part) in found.into_iter().flatten() {
-            parts[term].push(part);
-        }
-        parts.into_iter().map(told).collect()
+        let parts: Vec<Vec<Part>> = parts.collect();
+        let parts: Vec<Part> = parts.into_iter().flatten().collect();
+        // In the order of the charts, whatever the number of threads.
+        let mut stated = Stated::of(parts.iter().map(|part| &part.seen));
+        let shown = parts.par_iter().map(|part| stated.shown(&part.texels));
+        stated.sort(&shown.collect::<Vec<_>>());
+        let finished = parts.into_iter().map(|part| {
+            let texels = part.texels.into_iter();
+            Denoised {
+                // In place: what is known of a whole page's texels is held once.
+                std_err: texels.map(|texel| stated.std_err(&texel)).collect(),
+                ..part.chosen
+            }
+        });
+        finished.collect()
     }
 
     /// Charts that one task takes: several where they are small.
@@ -163,89 +163,60 @@ impl<'a> Denoiser<'a> {
         tasks
     }
 
-    /// What becomes of a chart: of the terms by number the parts of its bands.
-    fn chart(&self, number: u32, terms: &[Term<'_>]) -> Vec<(usize, Part)> {
+    fn chart(&self, number: u32, term: &Term<'_>) -> Vec<Part> {
         let chart = &self.charts.charts[number as usize];
-        let differ = |crosses: bool| -> Vec<usize> {
-            let of = (0..terms.len()).filter(|&k| terms[k].crosses == crosses);
-            of.filter(|&k| terms[k].differs(chart)).collect()
-        };
-        let goes_on = |of: Vec<usize>| {
-            let crosses = terms[*of.first()?].crosses;
-            let numbers = &self.charts.number;
-            Some((self.borders.beyond(number, chart, numbers, crosses), of))
-        };
-        let groups = match [true, false].map(|crosses| goes_on(differ(crosses))) {
-            [Some((beyond, mut of)), Some((other, more))] if beyond == other => {
-                of.extend(more);
-                vec![(beyond, of)]
+        // A chart may have all its light of one or two texels that see any, the others being mended from them. Two rays
+        // of theirs, one in each half, then look as if all were known.
+        let (mut differs, mut errors) = (0.0, 0.0);
+        for texel in chart.all() {
+            let half = f64::from(term.half(texel));
+            if half != 0.0 {
+                differs += half * half;
+                errors += f64::from(term.std_err[texel]).powi(2);
             }
-            groups => groups.into_iter().flatten().collect(),
-        };
-        let each = groups.into_iter();
-        each.flat_map(|(beyond, of)| self.chart_with(number, &beyond, &of, terms))
-            .collect()
-    }
-
-    /// The same of the terms `of` that go on alike.
-    fn chart_with(
-        &self,
-        number: u32,
-        beyond: &[Beyond],
-        of: &[usize],
-        terms: &[Term<'_>],
-    ) -> Vec<(usize, Part)> {
-        let chart = &self.charts.charts[number as usize];
+        }
+        if differs < BY_CHANCE * errors {
+            return Vec::new();
+        }
+        let beyond = self
+            .borders
+            .beyond(number, chart, &self.charts.number, term.crosses);
         let area = chart
             .area
             .with(beyond.iter().map(|beyond| beyond.place))
             .in_lanes();
-        let of_surface = |surface: Surface, band: &Band| -> Vec<(usize, Part)> {
-            let chosen = choose(&surface, agreed);
-            let chosen = chosen.into_iter().zip(&surface.terms);
-            let chosen = chosen.filter_map(|(chosen, of)| {
-                let chosen = chosen?;
-                let steep = steepness(&surface.mask, &chosen.0, Chosen::VALUES);
-                Some((of.number, chosen, steep))
-            });
-            let chosen: Vec<(usize, Chosen, Sheet)> = chosen.collect();
+        let part = |band: &Band| {
+            let surface = self.surface(number, &area, &beyond, band, term);
+            let chosen = choose(&surface, term.largest, agreed)?;
+            let steep = steepness(&surface.mask, &chosen.0, Chosen::VALUES);
             // A band may fill its page, and what follows needs room of its own.
             drop(surface);
-            let parts = chosen.into_iter().map(|(number, chosen, steep)| {
-                let term = &terms[number];
-                let mut part = Part::new(term.values.len());
-                for run in chart.runs_of(&area, &band.rows, self.size) {
-                    let place = area.local(run.first, &band.about, self.size);
-                    part.push(term, run, [&chosen.0, &steep], place);
-                }
-                (number, part)
-            });
-            parts.collect()
+            let mut part = Part::new(term.values.len());
+            for run in chart.runs_of(&area, &band.rows, self.size) {
+                let place = area.local(run.first, &band.about, self.size);
+                part.push(term, run, [&chosen.0, &steep], place);
+            }
+            Some(part)
         };
-        let parts = |band: &Band| -> Vec<(usize, Part)> {
-            let surfaces = self.surfaces(number, &area, beyond, band, (of, terms));
-            let surfaces = surfaces.into_iter();
-            surfaces
-                .flat_map(|surface| of_surface(surface, band))
-                .collect()
-        };
-        let bands = area.bands(self.at_a_time / of.len());
+        let bands = area.bands(self.at_a_time);
         // No more at a time than there are threads: one that waits for others takes up what else there is.
         let together = bands.chunks(rayon::current_num_threads());
-        let found = together.flat_map(|bands| bands.par_iter().map(parts).collect::<Vec<_>>());
-        found.flatten().collect()
+        let parts =
+            together.flat_map(|bands| bands.par_iter().filter_map(part).collect::<Vec<_>>());
+        parts.collect()
     }
 
-    /// A band of a chart and what it goes on in, for the terms `of`: one surface for those that have the same texels.
-    fn surfaces(
+    /// A band of a chart and what it goes on in.
+    fn surface(
         &self,
         number: u32,
         area: &Area,
         beyond: &[Beyond],
         band: &Band,
-        (of, terms): (&[usize], &[Term<'_>]),
-    ) -> Vec<Surface> {
+        term: &Term<'_>,
+    ) -> Surface {
         let chart = &self.charts.charts[number as usize];
+        let channels = term.values.len();
         let size = [area.size[0], band.about.len()];
         let of_others = |row: usize| {
             beyond.partition_point(|beyond| ((beyond.place[1] - area.at[1]) as usize) < row)
@@ -261,130 +232,71 @@ impl<'a> Denoiser<'a> {
             (area.local_at(beyond.place, &band.about), run)
         });
         let runs: Vec<([usize; 2], Run)> = own.chain(others).collect();
-        let is_bent = self.features.are_of(number);
-        let each = of.iter();
-        let each = each.map(|&k| surface_of(k, &terms[k], size, &runs, is_bent));
-        let mut surfaces = Surface::joined(each.collect());
-        for surface in surfaces.iter_mut().filter(|_| is_bent) {
-            surface.features = Some(self.features_of(size, &runs));
+        let set = |sheet: &mut Sheet, plane: usize, of: &[f32]| {
+            for ([x, y], run) in &runs {
+                sheet.row_mut(plane, *y)[*x..][..run.count as usize]
+                    .copy_from_slice(&of[run.texels()]);
+            }
+        };
+        let mut mask = Sheet::new(size, 1);
+        let mut errors = mask.clone();
+        set(&mut errors, 0, term.std_err);
+        let mut data = Sheet::new(size, channels + 1);
+        for (channel, values) in term.values.iter().enumerate() {
+            set(&mut data, channel, values);
         }
-        surfaces
-    }
-
-    /// The features of runs of texels at their places.
-    fn features_of(&self, size: [usize; 2], runs: &[([usize; 2], Run)]) -> Sheet {
-        let mut sheet = Sheet::new(size, FEATURES);
-        for ([x, y], run) in runs {
-            for feature in 0..FEATURES {
-                let row = sheet.row_mut(feature, *y)[*x..].iter_mut();
-                for (value, texel) in row.zip(run.texels()) {
-                    *value = self.features.at(texel, feature);
+        if let [half] = term.halves[..] {
+            set(&mut data, channels, half);
+        }
+        let mut features = self
+            .features
+            .are_of(number)
+            .then(|| Sheet::new(size, FEATURES));
+        for ([x, y], run) in &runs {
+            let count = run.count as usize;
+            let shares = &mut mask.row_mut(0, *y)[*x..][..count];
+            match term.sealed {
+                None => shares.fill(1.0),
+                Some(sealed) => {
+                    let open = sealed[run.texels()].iter().map(|sealed| 1.0 - sealed);
+                    shares
+                        .iter_mut()
+                        .zip(open)
+                        .for_each(|(share, open)| *share = open);
+                }
+            }
+            if channels > 1 {
+                let halves = data.row_mut(channels, *y)[*x..]
+                    .iter_mut()
+                    .zip(run.texels());
+                halves.for_each(|(half, texel)| *half = term.half(texel));
+            }
+            if let Some(sheet) = &mut features {
+                for feature in 0..FEATURES {
+                    let row = sheet.row_mut(feature, *y)[*x..]
+                        .iter_mut()
+                        .zip(run.texels());
+                    row.for_each(|(value, texel)| *value = self.features.at(texel, feature));
                 }
             }
         }
-        sheet
-    }
-}
-
-/// Runs of texels of a term at their places, without features.
-fn surface_of(
-    number: usize,
-    term: &Term<'_>,
-    size: [usize; 2],
-    runs: &[([usize; 2], Run)],
-    is_bent: bool,
-) -> Surface {
-    let channels = term.values.len();
-    let set = |sheet: &mut Sheet, plane: usize, of: &[f32]| {
-        for ([x, y], run) in runs {
-            sheet.row_mut(plane, *y)[*x..][..run.count as usize].copy_from_slice(&of[run.texels()]);
+        if term.is_smooth {
+            strays::share(&mask, &mut data);
         }
-    };
-    let mut mask = Sheet::new(size, 1);
-    let mut errors = mask.clone();
-    set(&mut errors, 0, term.std_err);
-    let mut data = Sheet::new(size, channels + 1);
-    for (channel, values) in term.values.iter().enumerate() {
-        set(&mut data, channel, values);
-    }
-    if let [half] = term.halves[..] {
-        set(&mut data, channels, half);
-    }
-    for ([x, y], run) in runs {
-        let shares = &mut mask.row_mut(0, *y)[*x..][..run.count as usize];
-        match term.sealed {
-            None => shares.fill(1.0),
-            Some(sealed) => {
-                let open = sealed[run.texels()].iter().map(|sealed| 1.0 - sealed);
-                shares
-                    .iter_mut()
-                    .zip(open)
-                    .for_each(|(share, open)| *share = open);
-            }
+        // Fits of a bent chart follow what changes with its normals.
+        if term.is_smooth && features.is_none() {
+            lines::set_apart(&mut mask, &mut data, &errors);
         }
-        if channels > 1 {
-            let halves = data.row_mut(channels, *y)[*x..]
-                .iter_mut()
-                .zip(run.texels());
-            halves.for_each(|(half, texel)| *half = term.half(texel));
+        Surface {
+            mask,
+            features,
+            data,
+            errors,
         }
     }
-    if term.is_smooth {
-        strays::share(&mask, &mut data);
-    }
-    // Fits of a bent chart follow what changes with its normals.
-    if term.is_smooth && !is_bent {
-        lines::set_apart(&mut mask, &mut data, &errors);
-    }
-    let terms = vec![SurfaceTerm {
-        number,
-        first: 0,
-        channels,
-        largest: term.largest,
-        errors,
-    }];
-    Surface {
-        mask,
-        features: None,
-        data,
-        terms,
-    }
-}
-
-/// What becomes of the texels of a term: its parts, once the page has told their standard errors.
-fn told(parts: Vec<Part>) -> Vec<Denoised> {
-    // In the order of the charts, whatever the number of threads.
-    let mut stated = Stated::of(parts.iter().map(|part| &part.seen));
-    let shown = parts.par_iter().map(|part| stated.shown(&part.texels));
-    stated.sort(&shown.collect::<Vec<_>>());
-    let finished = parts.into_iter().map(|part| {
-        let texels = part.texels.into_iter();
-        Denoised {
-            // In place: what is known of a whole page's texels is held once.
-            std_err: texels.map(|texel| stated.std_err(&texel)).collect(),
-            ..part.chosen
-        }
-    });
-    finished.collect()
 }
 
 impl Term<'_> {
-    /// Whether a chart is not known exactly and its halves do not agree by chance: a chart may have all its light of one or two texels
-    /// that see any, the others being mended from them. Two rays of theirs, one in each half, then look as if all were
-    /// known.
-    fn differs(&self, chart: &Chart) -> bool {
-        let (mut differs, mut errors, mut is_known) = (0.0, 0.0, true);
-        for texel in chart.all() {
-            is_known &= self.std_err[texel] == 0.0;
-            let half = f64::from(self.half(texel));
-            if half != 0.0 {
-                differs += half * half;
-                errors += f64::from(self.std_err[texel]).powi(2);
-            }
-        }
-        !is_known && differs >= BY_CHANCE * errors
-    }
-
     /// The mean channel of half the difference of a texel's halves.
     fn half(&self, texel: usize) -> f32 {
         let halves = self.halves.iter().map(|half| half[texel]);

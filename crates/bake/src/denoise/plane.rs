@@ -14,7 +14,7 @@ pub(super) const TASK: usize = 4096;
 
 /// Some numbers for each texel of a rectangle, 0 outside the chart. Each row has the rows of all planes, one after the
 /// other.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone)]
 pub(super) struct Sheet {
     pub width: usize,
     pub planes: usize,
@@ -27,25 +27,6 @@ impl Sheet {
             width,
             planes,
             values: vec![0.0; width * height * planes],
-        }
-    }
-
-    /// The planes of some sheets of one size, sheet by sheet.
-    pub fn beside(mut sheets: Vec<Self>) -> Self {
-        if let [_] = sheets[..] {
-            return sheets.remove(0);
-        }
-        let row = |sheet: &Self| sheet.width * sheet.planes;
-        let mut values = Vec::with_capacity(sheets.iter().map(|sheet| sheet.values.len()).sum());
-        for y in 0..sheets[0].height() {
-            for sheet in &sheets {
-                values.extend_from_slice(&sheet.values[y * row(sheet)..][..row(sheet)]);
-            }
-        }
-        Self {
-            width: sheets[0].width,
-            planes: sheets.iter().map(|sheet| sheet.planes).sum(),
-            values,
         }
     }
 

@@ -111,7 +111,7 @@ impl Made {
             is_smooth: true,
             crosses,
         };
-        for part in denoiser.denoise(&[term]).remove(0) {
+        for part in denoiser.denoise(&term) {
             part.set_values(0, &mut values);
             part.set_errors(&mut std_errs);
         }
@@ -346,17 +346,15 @@ fn three_channels_of_one_light_are_denoised_alike() {
     let values = [2.0, 4.0, 6.0].map(|by| scaled(&made.mean, by));
     let halves = [2.0, 4.0, 6.0].map(|by| scaled(&made.half, by));
     let denoiser = made.denoiser();
-    let light = denoiser
-        .denoise(&[Term {
-            values: values.iter().map(Vec::as_slice).collect(),
-            halves: halves.iter().map(Vec::as_slice).collect(),
-            std_err: &made.std_err,
-            sealed: None,
-            largest: f32::INFINITY,
-            is_smooth: false,
-            crosses: true,
-        }])
-        .remove(0);
+    let light = denoiser.denoise(&Term {
+        values: values.iter().map(Vec::as_slice).collect(),
+        halves: halves.iter().map(Vec::as_slice).collect(),
+        std_err: &made.std_err,
+        sealed: None,
+        largest: f32::INFINITY,
+        is_smooth: false,
+        crosses: true,
+    });
     let (alone, std_errs) = made.denoised();
     for (channel, by) in [2.0, 4.0, 6.0].into_iter().enumerate() {
         let (mut own, mut own_errs) = (values[channel].clone(), made.std_err.clone());

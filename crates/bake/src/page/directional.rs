@@ -86,7 +86,7 @@ pub(super) fn denoise(
                 crosses: true,
             };
             let found = match regression {
-                Some(denoiser) => denoiser.denoise(&[term]).remove(0),
+                Some(denoiser) => denoiser.denoise(&term),
                 None => oidn::denoise(&field(page), &term),
             };
             let values = &mut page.planes_of(layer)[first * texels..][..together * texels];

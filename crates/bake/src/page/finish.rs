@@ -246,77 +246,56 @@ fn denoise_by(
     if !denoisers.is_empty() {
         drop_unasked(page, options, is_place);
     }
-    let together = denoisers.first().map_or(1, Denoiser::together);
-    for terms in terms.chunks(together) {
-        let planes: Vec<Term<'_>> = (terms.iter())
-            .map(|term| planes_of(page, term, !denoisers.is_empty()))
-            .collect();
+    for &TermLayers {
+        value,
+        std_err,
+        half,
+        ..
+    } in terms
+    {
+        let all = |layer: Layer| {
+            let channels = 0..layer.channels().len();
+            channels.map(|channel| fact(page, layer, channel)).collect()
+        };
+        let mut planes = Term {
+            values: all(value),
+            halves: match denoisers.is_empty() {
+                true => Vec::new(),
+                false => all(half),
+            },
+            std_err: fact(page, std_err, 0),
+            sealed: page.layer(Layer::Sealed),
+            largest: if is_light(value) { f32::INFINITY } else { 1.0 },
+            is_smooth: matches!(value, Layer::Diffuse | Layer::Visibility),
+            crosses: !matches!(value, Layer::Specular | Layer::Reflection),
+        };
         let found = match denoisers {
-            [] => {
-                let field = field(page);
-                planes
-                    .iter()
-                    .map(|term| oidn::denoise(&field, term))
-                    .collect()
-            }
+            [] => oidn::denoise(&field(page), &planes),
             [seen, apart @ ..] => {
                 let mut found = seen.denoise(&planes);
-                let bare = planes.into_iter().map(|term| Term {
-                    sealed: None,
-                    ..term
-                });
-                let bare: Vec<Term<'_>> = bare.collect();
-                for apart in apart {
-                    let more = apart.denoise(&bare);
-                    found
-                        .iter_mut()
-                        .zip(more)
-                        .for_each(|(found, more)| found.extend(more));
-                }
+                planes.sealed = None;
+                found.extend(apart.iter().flat_map(|apart| apart.denoise(&planes)));
                 found
             }
         };
-        for (term, found) in terms.iter().zip(found) {
-            let values = page.planes_of(term.value);
-            for (channel, plane) in values.chunks_mut(texels).enumerate() {
-                found
-                    .iter()
-                    .for_each(|part| part.set_values(channel, plane));
-            }
-            if let Some(unseen) = unseen {
-                let most = if is_light(term.value) { f64::MAX } else { 1.0 };
-                let planes = values.par_chunks_mut(texels);
-                planes.for_each(|plane| drop(unseen.apply(plane, 0.0, most)));
-            }
-            let errors = page.planes_of(term.std_err);
-            found.iter().for_each(|part| part.set_errors(errors));
+        let values = page.planes_of(value);
+        for (channel, plane) in values.chunks_mut(texels).enumerate() {
+            found
+                .iter()
+                .for_each(|part| part.set_values(channel, plane));
         }
+        if let Some(unseen) = unseen {
+            let most = if is_light(value) { f64::MAX } else { 1.0 };
+            let planes = values.par_chunks_mut(texels);
+            planes.for_each(|plane| drop(unseen.apply(plane, 0.0, most)));
+        }
+        let errors = page.planes_of(std_err);
+        found.iter().for_each(|part| part.set_errors(errors));
     }
     directional::denoise(page, denoisers.first(), unseen, field);
     drop_unasked(page, options, |layer| {
         layer.is_of_halves() || layer == Layer::Sealed
     });
-}
-
-/// A term as the denoiser takes it, with its halves where it needs them.
-fn planes_of<'a>(page: &'a BakedPage, term: &TermLayers, has_halves: bool) -> Term<'a> {
-    let all = |layer: Layer| {
-        let channels = 0..layer.channels().len();
-        channels.map(|channel| fact(page, layer, channel)).collect()
-    };
-    let value = term.value;
-    Term {
-        values: all(value),
-        halves: match has_halves {
-            true => all(term.half),
-            false => Vec::new(),
-        },
-        std_err: fact(page, term.std_err, 0),
-        sealed: page.layer(Layer::Sealed),
-        largest: if is_light(value) { f32::INFINITY } else { 1.0 },
-        is_smooth: matches!(value, Layer::Diffuse | Layer::Visibility),
-        crosses: !matches!(value, Layer::Specular | Layer::Reflection),
-    }
 }
 
 /// 1 at the covered texels of which nothing can be seen, 0 elsewhere; `None` where all can.
