@@ -5,8 +5,8 @@ use crate::support::bake;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// A beach that rises by 0.2 along x and 0.03 along z, 2 wide to each side, and a sea of height 0.03 that reaches beyond
-/// it.
+/// A beach that rises by 0.2 along x and 0.03 along z, 2 wide to each side, and a sea of height 0.03 that reaches
+/// beyond it.
 fn beach(folder: &Path) -> PathBuf {
     let path = folder.join("beach.obj");
     let mut text = String::from("o land\n");

@@ -190,35 +190,30 @@ mod tests {
         )
     }
 
+    /// Where nothing hides, covers or shuts.
+    fn plain(
+        of: &Brightness,
+        options: &Options,
+        has_lamps: bool,
+        texels: u64,
+    ) -> Option<WarningReport> {
+        let none = |_: &SurfacePoint| false;
+        of.interior(options, has_lamps, none, none, none, texels)
+    }
+
     #[test]
     fn a_dark_median_is_an_interior_unless_a_distance_or_bounces_were_given() {
         let pages = surface(&[(0.7, 1), (0.02, 1), (0.05, 1)]);
-        let warning = pages
-            .interior(
-                &Options::default(),
-                false,
-                |_| false,
-                |_| false,
-                |_| false,
-                100,
-            )
-            .expect("two of three parts are dark");
+        let warning =
+            plain(&pages, &Options::default(), false, 100).expect("two of three parts are dark");
         assert!(warning.message.contains("--max-distance"));
         assert!(warning.message.contains("--bounces"));
         assert!(warning.message.starts_with("67 % of the surface"));
         assert_eq!(warning.count, 66);
         let (mut limited, mut bounced) = (Options::default(), Options::default());
         (limited.max_distance, bounced.bounces) = (Some(1.0), Bounces::Auto);
-        assert!(
-            pages
-                .interior(&limited, false, |_| false, |_| false, |_| false, 100)
-                .is_none()
-        );
-        assert!(
-            pages
-                .interior(&bounced, false, |_| false, |_| false, |_| false, 100)
-                .is_none()
-        );
+        assert!(plain(&pages, &limited, false, 100).is_none());
+        assert!(plain(&pages, &bounced, false, 100).is_none());
         let pages = surface(&[(0.7, 1), (0.9, 1), (0.02, 1), (0.05, 1)]);
         let told = |hidden: u32| {
             let hides = |point: &SurfacePoint| point.triangle < hidden;
@@ -231,42 +226,20 @@ mod tests {
     #[test]
     fn where_no_light_gets_in_nothing_is_said_of_bounces() {
         let pages = surface(&[(0.0004, 5000)]);
-        let closed = pages
-            .interior(
-                &Options::default(),
-                false,
-                |_| false,
-                |_| false,
-                |_| false,
-                5000,
-            )
-            .expect("all is dark");
+        let closed = plain(&pages, &Options::default(), false, 5000).expect("all is dark");
         assert!(closed.message.contains("--max-distance") && !closed.message.contains("bounces"));
         let bounced = Options {
             bounces: Bounces::Auto,
             ..Options::default()
         };
-        let still = pages
-            .interior(&bounced, false, |_| false, |_| false, |_| false, 5000)
-            .map(|warning| warning.message);
+        let still = plain(&pages, &bounced, false, 5000).map(|warning| warning.message);
         assert_eq!(still, Some(closed.message), "there is nothing to send on");
         assert!(
-            pages
-                .interior(&bounced, true, |_| false, |_| false, |_| false, 5000)
-                .is_none(),
+            plain(&pages, &bounced, true, 5000).is_none(),
             "a lamp is in it"
         );
         let pages = surface(&[(0.0004, 5000), (0.05, 50)]);
-        let lit = pages
-            .interior(
-                &Options::default(),
-                false,
-                |_| false,
-                |_| false,
-                |_| false,
-                5050,
-            )
-            .expect("most is dark");
+        let lit = plain(&pages, &Options::default(), false, 5050).expect("most is dark");
         assert!(lit.message.contains("--bounces"));
     }
 

@@ -1,7 +1,8 @@
 //! Sixteen sample streams walked in step: each lane is one replicate of one texel, each step casts one packet.
 //!
-//! The name is that of M. Pharr and W. R. Mark, "ispc: A SPMD Compiler for High-Performance CPU Programming" (Innovative
-//! Parallel Computing, 2012): a gang is the program instances that one vector unit runs in step, a lane each.
+//! The name is that of M. Pharr and W. R. Mark, "ispc: A SPMD Compiler for High-Performance CPU Programming"
+//! (Innovative Parallel Computing, 2012): a gang is the program instances that one vector unit runs in step, a lane
+//! each.
 //!
 //! Texels that share directions stand side by side in a gang, so its packets hold parallel rays from neighbouring
 //! places. All arithmetic runs over arrays of sixteen, in whatever vector width the machine has; no fused operation is

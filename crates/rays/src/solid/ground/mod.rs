@@ -319,7 +319,7 @@ impl Solids {
         each.filter(holds_any).collect()
     }
 
-    /// Whether a sheet looks as a ground does, and whether that ends over it somewhere, where one could look in between.
+    /// Whether a sheet looks as a ground does, and whether that ends over it somewhere, where one looks in between.
     fn covers_alike(
         &self,
         ground: &Ground,
