@@ -54,7 +54,7 @@ pub(crate) struct Memory {
     dropped: u64,
     /// Those that the last step adds.
     composed: u64,
-    /// Channels of terms that have halves, which the denoiser compares.
+    /// Channels of terms.
     pub denoised: u64,
     /// Channels of the broadest of them.
     broadest: u64,
@@ -74,10 +74,7 @@ impl Memory {
             let wanted = layers.iter().filter(|layer| wanted(layer));
             wanted.map(|layer| layer.channels().len() as u64).sum()
         };
-        let of_terms =
-            |l: &Layer| l.is_of_halves() && !matches!(l, Layer::HalfBent | Layer::HalfSh);
-        let halves = working.iter().filter(|l| of_terms(l));
-        let halves = halves.map(|half| half.channels().len() as u64);
+        let [denoised, broadest] = ::bake::channels_of_terms(options, plan);
         let is_place = |layer: &Layer| {
             let place = [Layer::Position, Layer::Normal, Layer::Object];
             place.contains(layer) && !kept.contains(layer)
@@ -92,10 +89,10 @@ impl Memory {
             places: count(&working, &is_place),
             dropped: count(&working, &goes),
             composed: count(&kept, &|l| !working.contains(l)),
-            denoised: count(&working, &of_terms),
+            denoised,
             broadest: match working.contains(&Layer::Sh) {
                 true => 3,
-                false => halves.max().unwrap_or(1),
+                false => broadest,
             },
             light: count(&light, &|_| true),
             denoise: options.denoise,

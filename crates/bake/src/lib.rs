@@ -71,7 +71,7 @@ pub use options::{
 };
 pub use page::{
     BakedPage, BakedTile, Baker, Deal, ErrorSums, LayerPlanes, PageStats, Pilot, Take,
-    bytes_of_surveys, layers_in_work, layers_of_light, sampled,
+    bytes_of_surveys, channels_of_terms, layers_in_work, layers_of_light, sampled,
 };
 pub use plan::{AnyViewErrors, Decision, Method, OpenTriangles, Plan};
 pub use reach::{Fingerprint, Reach};

@@ -101,6 +101,10 @@ pub enum Layer {
     Direct,
     /// k_a, by which the traditional model reflects.
     Ambient,
+    /// [`Layer::Specular`] of the part of the microfacet model's lobe that Fresnel's term makes white.
+    White,
+    /// Share of [`Layer::Reflectance`] that has the colour of the material, not Fresnel's white.
+    Tint,
 }
 
 /// An integral over the directions of a texel. A bake models those that its layers need.
@@ -213,7 +217,7 @@ const UNIT_VECTOR: (Unit, Preview) = (Unit::Direction, Preview::Signed);
 
 /// Every layer in the order of the enum.
 #[rustfmt::skip]
-const TABLE: [Row; 46] = [
+const TABLE: [Row; 48] = [
     counted(row(Coverage, "coverage", ONE, SHARE, &[], "fraction of the texel inside its chart")),
     row(Visibility, "visibility", ONE, SHARE, &[Term::Visibility],
         "open solid angle / 2 pi, the traditional occlusion factor"),
@@ -274,6 +278,9 @@ const TABLE: [Row; 46] = [
         &[Term::Visibility], "15 such numbers, whatever the lobes; written as any-view"),
     row(Direct, "direct", RGB, LIGHT, &[], "light that arrives straight from suns, points and spots, E / pi"),
     row(Ambient, "ambient", RGB, TINT, &[], "coefficient of the traditional model (--ambient-coefficient)"),
+    row(White, "specular.white", ONE, SHARE, &[Term::Specular],
+        "specular of the part of the lobe that Fresnel's term makes white (--model ggx)"),
+    row(Tint, "reflectance.tint", RGB, TINT, &[], "share of reflectance that is not of that part"),
 ];
 
 impl Layer {

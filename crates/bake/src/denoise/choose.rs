@@ -131,7 +131,7 @@ impl<'a> Choice<'a> {
     ) -> Option<Self> {
         let (mask, data) = (&surface.mask, &surface.data);
         let size @ [width, height] = surface.size();
-        let channels = data.planes - 1;
+        let (leading, channels) = (surface.leading, data.planes - 1);
         let mut pair = Sheet::new(size, 2);
         let all_plain = pair.fill(|y, [squares, texels]| {
             let halves = data.row(channels, y);
@@ -156,7 +156,7 @@ impl<'a> Choice<'a> {
             #[inline(always)]
             |first, [state, near, far, plain]| {
                 let mut room = Room::new(width);
-                let mut mean = Mean::default();
+                let mut mean = Mean::of(leading);
                 let mut weights = vec![0.0; width];
                 let states = state.chunks_exact_mut((VALUES + channels) * width);
                 for (row, state) in states.enumerate() {
@@ -201,10 +201,11 @@ impl<'a> Choice<'a> {
     fn try_fit(&mut self, stride: usize, before: &Sheet, now: &Sheet) {
         let [width, height] = self.surface.size();
         let (data, channels) = (&self.surface.data, self.channels);
+        let leading = self.surface.leading;
         let (unit, share) = (self.unit, self.share);
         let half = channels;
         let all_fitted = self.pair.fill(|y, [squares, moves]| {
-            let mut means = <[Mean; 2]>::default();
+            let mut means = [leading; 2].map(Mean::of);
             let [now_mean, before_mean] = means.each_mut();
             let (m, before_m) = (now_mean.row(now, y), before_mean.row(before, y));
             let (h, before_h) = (now.row(half, y), before.row(half, y));
@@ -228,7 +229,7 @@ impl<'a> Choice<'a> {
             #[inline(always)]
             |first, [state]| {
                 let mut room = Room::new(width);
-                let mut means = <[Mean; 2]>::default();
+                let mut means = [leading; 2].map(Mean::of);
                 let mut lines = vec![0.0; 4 * width];
                 let Planes([squares, moves, risks, own], _) = planes(&mut lines, width);
                 let states = state.chunks_exact_mut((VALUES + channels) * width);
@@ -272,18 +273,19 @@ impl<'a> Choice<'a> {
     fn end(mut self) -> Chosen {
         let size @ [width, height] = self.surface.size();
         let (mask, data, channels) = (&self.surface.mask, &self.surface.data, self.channels);
+        let leading = self.surface.leading;
         let state = &self.state;
         self.pair.fill(|y, [variances, biases]| {
-            let mut mean = Mean::default();
+            let mut mean = Mean::of(leading);
             let mean = mean.row(data, y);
             let (mask, weights) = (mask.row(0, y), state.row(WEIGHTS, y));
             let (own, halves) = (state.row(VARIANCES, y), state.row(HALVES, y));
             let halves_before = data.row(channels, y);
-            let value = |x: usize| match channels {
+            let value = |x: usize| match leading {
                 1 => state.row(VALUES, y)[x],
                 _ => {
-                    let sum: f32 = (0..channels).map(|c| state.row(VALUES + c, y)[x]).sum();
-                    sum / channels as f32
+                    let sum: f32 = (0..leading).map(|c| state.row(VALUES + c, y)[x]).sum();
+                    sum / leading as f32
                 }
             };
             for x in 0..width {
@@ -392,23 +394,30 @@ fn add(sums: &mut [f32], weights: &[f32], numbers: &[f32]) {
     }
 }
 
-/// The mean of the channels along a row; it needs no room where there is one.
-#[derive(Default)]
-struct Mean(Vec<f32>);
+/// The mean of the leading channels along a row; it needs no room where there is one.
+struct Mean {
+    leading: usize,
+    room: Vec<f32>,
+}
 
 impl Mean {
+    fn of(leading: usize) -> Self {
+        let room = Vec::new();
+        Self { leading, room }
+    }
+
     #[inline(always)]
     fn row<'b>(&'b mut self, sheet: &'b Sheet, y: usize) -> &'b [f32] {
-        let channels = sheet.planes - 1;
-        if channels == 1 {
+        let leading = self.leading;
+        if leading == 1 {
             return sheet.row(0, y);
         }
-        self.0.clear();
-        self.0.extend((0..sheet.width).map(|x| {
-            let sum: f32 = (0..channels).map(|channel| sheet.row(channel, y)[x]).sum();
-            sum / channels as f32
+        self.room.clear();
+        self.room.extend((0..sheet.width).map(|x| {
+            let sum: f32 = (0..leading).map(|channel| sheet.row(channel, y)[x]).sum();
+            sum / leading as f32
         }));
-        &self.0
+        &self.room
     }
 }
 

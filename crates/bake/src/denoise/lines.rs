@@ -6,7 +6,7 @@
 //!
 //! Single texels are no line, however far they are from all about them: `strays.rs` shares what came there by chance.
 
-use super::plane::Sheet;
+use super::surface::Surface;
 use std::collections::BTreeMap;
 
 /// Edge of the squares of texels that are held against a texel.
@@ -22,18 +22,25 @@ const STANDS_OUT: f32 = 5.0;
 const LONG: usize = 5;
 
 /// Takes the texels of lines out of a surface.
-pub(super) fn set_apart(mask: &mut Sheet, data: &mut Sheet, errors: &Sheet) {
+pub(super) fn set_apart(surface: &mut Surface) {
+    let Surface {
+        mask,
+        data,
+        leading,
+        errors,
+        ..
+    } = surface;
     let (width, height) = (mask.width, mask.height());
     if width.min(height) < EDGE {
         return;
     }
-    let channels = data.planes - 1;
+    let (leading, channels) = (*leading, data.planes - 1);
     let sum = |at| {
-        (0..channels)
+        (0..leading)
             .map(|channel| data.at(channel, at))
             .sum::<f32>()
     };
-    let value = |at| sum(at) / (channels as f32 * mask.at(0, at));
+    let value = |at| sum(at) / (leading as f32 * mask.at(0, at));
     let is_far = |own: f32, other: f32, error: f32| {
         let (low, high) = if own < other {
             (own, other)

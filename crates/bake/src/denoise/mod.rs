@@ -53,6 +53,8 @@ const POOLED: f32 = 25.0;
 pub(crate) struct Term<'a> {
     /// One plane a channel, at most three.
     pub values: Vec<&'a [f32]>,
+    /// What the same rays say besides: smoothed as the values are, which alone decide how.
+    pub riders: Vec<&'a [f32]>,
     /// Half of the difference between two independent halves of the rays, channel by channel.
     pub halves: Vec<&'a [f32]>,
     /// Standard error of the mean of the channels; 0 where the value is exact.
@@ -72,7 +74,7 @@ pub(crate) struct Term<'a> {
 #[derive(Debug, Default)]
 pub(crate) struct Denoised {
     runs: Vec<Run>,
-    /// One line a channel.
+    /// One line a channel, those of riders last.
     values: Vec<Vec<f32>>,
     /// None where the errors stay.
     std_err: Vec<f32>,
@@ -188,10 +190,11 @@ impl<'a> Denoiser<'a> {
         let part = |band: &Band| {
             let surface = self.surface(number, &area, &beyond, band, term);
             let chosen = choose(&surface, term.largest, agreed)?;
-            let steep = steepness(&surface.mask, &chosen.0, Chosen::VALUES);
+            let leading = Chosen::VALUES..Chosen::VALUES + surface.leading;
+            let steep = steepness(&surface.mask, &chosen.0, leading);
             // A band may fill its page, and what follows needs room of its own.
             drop(surface);
-            let mut part = Part::new(term.values.len());
+            let mut part = Part::new(term.planes().count());
             for run in chart.runs_of(&area, &band.rows, self.size) {
                 let place = area.local(run.first, &band.about, self.size);
                 part.push(term, run, [&chosen.0, &steep], place);
@@ -216,7 +219,7 @@ impl<'a> Denoiser<'a> {
         term: &Term<'_>,
     ) -> Surface {
         let chart = &self.charts.charts[number as usize];
-        let channels = term.values.len();
+        let channels = term.planes().count();
         let size = [area.size[0], band.about.len()];
         let of_others = |row: usize| {
             beyond.partition_point(|beyond| ((beyond.place[1] - area.at[1]) as usize) < row)
@@ -242,7 +245,7 @@ impl<'a> Denoiser<'a> {
         let mut errors = mask.clone();
         set(&mut errors, 0, term.std_err);
         let mut data = Sheet::new(size, channels + 1);
-        for (channel, values) in term.values.iter().enumerate() {
+        for (channel, values) in term.planes().enumerate() {
             set(&mut data, channel, values);
         }
         if let [half] = term.halves[..] {
@@ -265,7 +268,7 @@ impl<'a> Denoiser<'a> {
                         .for_each(|(share, open)| *share = open);
                 }
             }
-            if channels > 1 {
+            if term.halves.len() > 1 {
                 let halves = data.row_mut(channels, *y)[*x..]
                     .iter_mut()
                     .zip(run.texels());
@@ -280,23 +283,30 @@ impl<'a> Denoiser<'a> {
                 }
             }
         }
-        if term.is_smooth {
-            strays::share(&mask, &mut data);
-        }
-        // Fits of a bent chart follow what changes with its normals.
-        if term.is_smooth && features.is_none() {
-            lines::set_apart(&mut mask, &mut data, &errors);
-        }
-        Surface {
+        let mut surface = Surface {
             mask,
             features,
             data,
+            leading: term.values.len(),
             errors,
+        };
+        if term.is_smooth {
+            strays::share(&mut surface);
         }
+        // Fits of a bent chart follow what changes with its normals.
+        if term.is_smooth && surface.features.is_none() {
+            lines::set_apart(&mut surface);
+        }
+        surface
     }
 }
 
-impl Term<'_> {
+impl<'a> Term<'a> {
+    /// The planes that are smoothed.
+    fn planes(&self) -> impl Iterator<Item = &'a [f32]> {
+        self.values.iter().chain(&self.riders).copied()
+    }
+
     /// The mean channel of half the difference of a texel's halves.
     fn half(&self, texel: usize) -> f32 {
         let halves = self.halves.iter().map(|half| half[texel]);
@@ -333,7 +343,6 @@ impl Part {
         [chosen, steep]: [&Sheet; 2],
         [x, y]: [usize; 2],
     ) {
-        let channels = term.values.len();
         self.chosen.runs.push(*run);
         let line = |plane: usize| &chosen.row(plane, y)[x..];
         let steep = &steep.row(0, y)[x..];
@@ -345,15 +354,17 @@ impl Part {
             Chosen::NEAR,
         ]
         .map(line);
-        for (channel, values) in self.chosen.values.iter_mut().enumerate() {
+        let lines = self.chosen.values.iter_mut().zip(term.planes());
+        for (channel, (values, before)) in lines.enumerate() {
             let chosen = line(Chosen::VALUES + channel).iter().zip(plain);
             values.extend(chosen.zip(run.texels()).map(
                 |((value, plain), texel)| match term.std_err[texel] > 0.0 && *plain > 0.0 {
                     true => value.clamp(0.0, term.largest),
-                    false => term.values[channel][texel],
+                    false => before[texel],
                 },
             ));
         }
+        let channels = term.values.len();
         for (k, texel) in run.texels().enumerate() {
             let std_err = term.std_err[texel];
             if std_err <= 0.0 || plain[k] == 0.0 {

@@ -1,10 +1,11 @@
 //! How much what was chosen changes from one texel to the next.
 
 use super::plane::{Sheet, rows};
+use std::ops::Range;
 
 /// For each texel of a surface, the mean square of what the mean channel differs by from the texels beside it and
-/// above and below; 0 where there are none. The channels of `sheet` are its planes from `first` on.
-pub(super) fn steepness(mask: &Sheet, sheet: &Sheet, first: usize) -> Sheet {
+/// above and below; 0 where there are none. The `channels` are planes of `sheet`.
+pub(super) fn steepness(mask: &Sheet, sheet: &Sheet, channels: Range<usize>) -> Sheet {
     let (width, height) = (mask.width, mask.height());
     let mut steep = Sheet::new([width, height], 1);
     rows(
@@ -19,7 +20,7 @@ pub(super) fn steepness(mask: &Sheet, sheet: &Sheet, first: usize) -> Sheet {
                 let y = from + row;
                 let [own, above, below] = means.each_mut();
                 let own_mask = mask.row(0, y);
-                mean(sheet, first, y, own);
+                mean(sheet, &channels, y, own);
                 counts.fill(f32::MIN_POSITIVE);
                 let (next, before) = (1..width, 0..width - 1);
                 for (at, other) in [(&next, &before), (&before, &next)] {
@@ -33,11 +34,11 @@ pub(super) fn steepness(mask: &Sheet, sheet: &Sheet, first: usize) -> Sheet {
                     );
                 }
                 if y > 0 {
-                    mean(sheet, first, y - 1, above);
+                    mean(sheet, &channels, y - 1, above);
                     add(own, above, mask.row(0, y - 1), steep, &mut counts);
                 }
                 if y + 1 < height {
-                    mean(sheet, first, y + 1, below);
+                    mean(sheet, &channels, y + 1, below);
                     add(own, below, mask.row(0, y + 1), steep, &mut counts);
                 }
                 for (sum, count) in steep.iter_mut().zip(&counts) {
@@ -51,10 +52,10 @@ pub(super) fn steepness(mask: &Sheet, sheet: &Sheet, first: usize) -> Sheet {
 
 /// The mean channel of a row.
 #[inline(always)]
-fn mean(sheet: &Sheet, first: usize, y: usize, out: &mut [f32]) {
-    let share = 1.0 / (sheet.planes - first) as f32;
+fn mean(sheet: &Sheet, channels: &Range<usize>, y: usize, out: &mut [f32]) {
+    let share = 1.0 / channels.len() as f32;
     out.fill(0.0);
-    for plane in first..sheet.planes {
+    for plane in channels.clone() {
         for (out, value) in out.iter_mut().zip(sheet.row(plane, y)) {
             *out += share * value;
         }
@@ -93,7 +94,7 @@ mod tests {
                 sheet.row_mut(plane, y)[x] = value;
             }
         }
-        let steep = steepness(&mask, &sheet, 1);
+        let steep = steepness(&mask, &sheet, 1..3);
         // A corner, a border, the texel left of the one that is left out, and the one above that.
         for (at, steps) in [
             ([0, 0], 5.0),
@@ -103,7 +104,7 @@ mod tests {
         ] {
             assert_eq!(steep.at(0, at), steps, "{at:?}");
         }
-        let alone = steepness(&Sheet::new([4, 3], 1), &sheet, 1);
+        let alone = steepness(&Sheet::new([4, 3], 1), &sheet, 1..3);
         assert!(alone.values.iter().all(|step| *step == 0.0));
     }
 }

@@ -6,6 +6,7 @@
 //! therefore shared by all texels about it.
 
 use super::plane::Sheet;
+use super::surface::Surface;
 
 /// Texels to each side that share it.
 const RADIUS: usize = 5;
@@ -16,9 +17,16 @@ const TIMES: f32 = 2.0;
 /// Variances of the plain value by which it stands out, at least: noise of less is smoothed as it is.
 const STANDS_OUT: f32 = 25.0;
 
-/// Shares what strays brought. `data`: the channels of the mean, then the half difference.
-pub(super) fn share(mask: &Sheet, data: &mut Sheet) {
-    let channels = data.planes - 1;
+/// Shares what strays brought.
+pub(super) fn share(surface: &mut Surface) {
+    let Surface {
+        mask,
+        data,
+        leading,
+        ..
+    } = surface;
+    let (mask, leading, channels) = (&*mask, *leading, data.planes - 1);
+    let mean = |data: &Sheet, at| mean(data, leading, at);
     let (width, height) = (mask.width, mask.height());
     let mut strays = Vec::new();
     for y in 1..height.saturating_sub(1) {
@@ -74,13 +82,12 @@ fn window(mask: &Sheet, i @ [x, y]: [usize; 2], radius: usize) -> Vec<[usize; 2]
     all.filter(|&j| j != i && mask.at(0, j) > 0.0).collect()
 }
 
-/// The mean channel of a texel's mean.
-fn mean(data: &Sheet, at: [usize; 2]) -> f32 {
-    let channels = data.planes - 1;
-    (0..channels)
+/// The mean of so many first channels of a texel's mean.
+fn mean(data: &Sheet, leading: usize, at: [usize; 2]) -> f32 {
+    (0..leading)
         .map(|channel| data.at(channel, at))
         .sum::<f32>()
-        / channels as f32
+        / leading as f32
 }
 
 #[cfg(test)]

@@ -14,6 +14,8 @@ pub(super) struct Surface {
     pub features: Option<Sheet>,
     /// The channels of the mean of two halves of the rays, then the mean channel of half their difference.
     pub data: Sheet,
+    /// So many channels decide how all are smoothed.
+    pub leading: usize,
     /// Standard errors of the plain values.
     pub errors: Sheet,
 }

@@ -103,6 +103,7 @@ impl Made {
     fn denoised_as(&self, denoiser: &Denoiser, crosses: bool) -> (Vec<f32>, Vec<f32>) {
         let (mut values, mut std_errs) = (self.mean.clone(), self.std_err.clone());
         let term = Term {
+            riders: Vec::new(),
             values: vec![&self.mean],
             halves: vec![&self.half],
             std_err: &self.std_err,
@@ -348,6 +349,7 @@ fn three_channels_of_one_light_are_denoised_alike() {
     let denoiser = made.denoiser();
     let light = denoiser.denoise(&Term {
         values: values.iter().map(Vec::as_slice).collect(),
+        riders: Vec::new(),
         halves: halves.iter().map(Vec::as_slice).collect(),
         std_err: &made.std_err,
         sealed: None,

@@ -38,6 +38,7 @@ pub(super) fn terms(task: &Task<'_>, texel: &Texel, specular: bool) -> Terms {
     let with_light = |terms: Terms| Terms {
         irradiance: uniform_light(sky, terms.diffuse),
         reflection: uniform_light(sky, terms.specular),
+        white: terms.specular.value,
         ..terms
     };
     // Nothing is blocked but what leans away; such texels are not closed where any view is asked for.

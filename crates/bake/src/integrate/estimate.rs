@@ -57,6 +57,8 @@ impl Technique {
 #[derive(Debug, Clone, Copy, Default)]
 struct Said {
     shares: [f64; 3],
+    /// The open share of the lobe's white part.
+    white: f64,
     lights: [DVec3; 2],
 }
 
@@ -149,6 +151,10 @@ impl Known<'_> {
                 let [plain, white] = [0, 1].map(|part| self.lobe_shares(i, part, lobe));
                 for (k, said) in said.iter_mut().enumerate() {
                     said.shares[Specular as usize] = plain[k] / lobe.whole[0];
+                    said.white = match lobe.whole[1] > 0.0 {
+                        true => white[k] / lobe.whole[1],
+                        false => said.shares[Specular as usize],
+                    };
                     let open = [plain[k], white[k]].map(DVec3::splat);
                     said.lights[1] = DVec3::from(self.from.task.sky.floor()) * lobe.tinted(open);
                 }
@@ -250,7 +256,11 @@ impl Known<'_> {
                 match quantity {
                     Diffuse => terms.diffuse = share(),
                     Visibility => terms.visibility = share(),
-                    Specular => terms.specular = share(),
+                    Specular => {
+                        terms.specular = share();
+                        let white = self.said[i].map(|said| said.white);
+                        terms.white = mean(&self.from.sums[i], white).clamp(0.0, 1.0);
+                    }
                     Irradiance if self.from.task.hemisphere => add(&mut terms.irradiance, light()),
                     Reflection if self.from.lobes[i].is_some() => {
                         add(&mut terms.reflection, light());

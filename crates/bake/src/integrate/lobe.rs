@@ -84,6 +84,8 @@ pub(crate) struct Coat {
     pub base: DVec3,
     /// Specular reflectance.
     pub specular: DVec3,
+    /// Share of it that light of the coloured part of the lobe has; the rest is Fresnel's white.
+    pub tint: DVec3,
     /// Rays of its lobe for each ray of the hemisphere.
     pub share: f32,
     /// Without colour, of GGX.
@@ -115,9 +117,12 @@ impl Coat {
             }
             _ => [albedo, specular],
         };
+        let mirror = f0 * open.tinted + open.white;
+        let tinted = f0 * (open.tinted + open.white);
         Self {
             base,
             specular,
+            tint: tinted / mirror.max(DVec3::splat(f64::MIN_POSITIVE)),
             share: match rays {
                 LobeRays::Full => 1.0,
                 LobeRays::Beside if is_broad => share(weight(base, specular), WORTH_BESIDE),
@@ -214,4 +219,41 @@ fn share(weight: f64, worth: f64) -> f32 {
         .floor()
         .exp2()
         .clamp(LEAST_SHARE, 1.0) as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn light_of_a_lobe_is_the_mean_of_its_two_shares_by_its_tint() {
+        for (f0, roughness, cos) in [
+            (DVec3::new(0.9, 0.5, 0.0), 0.2, 1.0),
+            (DVec3::splat(0.04), 0.9, 0.3),
+        ] {
+            let exponent = (1.0 / f64::powi(roughness, 4) - 1.0) / 2.0;
+            let material = PhongMaterial {
+                albedo: DVec3::splat(0.5),
+                specular: f0,
+                exponent,
+            };
+            let Coat { tint, open, .. } = Coat::of(Model::Ggx, LobeRays::Full, &material, cos);
+            let lobe = Lobe {
+                alpha: 0.0,
+                scale: 0.0,
+                share: 1.0,
+                joins: false,
+                whole: [open.tinted + open.white, open.white],
+                f0: Some(f0),
+            };
+            let (open, white) = (0.7, 0.2);
+            let light =
+                lobe.tinted([open * lobe.whole[0], white * lobe.whole[1]].map(DVec3::splat));
+            let mean = tint * open + (DVec3::ONE - tint) * white;
+            assert!(
+                (light - mean).abs().max_element() < 1e-12,
+                "{light} for {mean}"
+            );
+        }
+    }
 }

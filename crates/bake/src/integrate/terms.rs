@@ -13,6 +13,8 @@ pub struct Terms {
     pub diffuse: Estimate,
     /// ((n+1)/2pi) times the integral of V (R.V)^n.
     pub specular: Estimate,
+    /// The same of the part of a lobe of GGX that Fresnel's (1 - V·H)^5 weighs.
+    pub white: f64,
     /// Where the texel is open and whence its light comes; zeros where neither is asked for.
     pub directional: Directional,
     /// (1/pi) times the integral of L V cos, linear RGB.

@@ -136,6 +136,8 @@ impl BakedTexel<'_> {
             Layer::Validity => [texel.seen.share, 0.0, 0.0],
             Layer::Sealed => [self.sealed, 0.0, 0.0],
             Layer::OpenSpecular => one(self.open_specular),
+            Layer::White => one(terms.white),
+            Layer::Tint => three(self.coat.tint),
             Layer::StdErrAnyView => one(terms.any_view.as_ref().map_or(0.0, |any| any.std_err)),
             // Their channels are read from the terms.
             Layer::AnyView | Layer::AnyView4 | Layer::AnyView8 => [0.0; 3],

@@ -24,6 +24,8 @@ struct Facts<'a> {
     reflectance: [Option<&'a [f32]>; 3],
     base: [Option<&'a [f32]>; 3],
     open_specular: Option<&'a [f32]>,
+    white: Option<&'a [f32]>,
+    tint: [Option<&'a [f32]>; 3],
 }
 
 impl<'a> Facts<'a> {
@@ -42,6 +44,8 @@ impl<'a> Facts<'a> {
             reflectance: three(Layer::Reflectance),
             base: three(Layer::Base),
             open_specular: page.layer(Layer::OpenSpecular),
+            white: page.layer(Layer::White),
+            tint: three(Layer::Tint),
         }
     }
 
@@ -51,7 +55,11 @@ impl<'a> Facts<'a> {
         let rgb = |planes: [Option<&[f32]>; 3]| DVec3::from(planes.map(one));
         let mean = DVec3::from(sky.mean());
         let [irradiance, reflection] = match sky.map() {
-            None if model == Model::Ggx => [mean * one(self.diffuse), rgb(self.reflection)],
+            None if model == Model::Ggx => {
+                let (open, white, tint) = (one(self.specular), one(self.white), rgb(self.tint));
+                let lobe = tint * open + (DVec3::ONE - tint) * white;
+                [mean * one(self.diffuse), mean * lobe]
+            }
             None => [mean * one(self.diffuse), mean * one(self.specular)],
             Some(_) => [rgb(self.irradiance), rgb(self.reflection)],
         };

@@ -78,6 +78,7 @@ pub(super) fn denoise(
             };
             let term = Term {
                 values: planes(layer),
+                riders: Vec::new(),
                 halves: regression.map_or(Vec::new(), |_| planes(half)),
                 std_err: page.layer(Layer::StdErrDiffuse).unwrap_or_default(),
                 sealed: page.layer(Layer::Sealed),

@@ -66,6 +66,7 @@ pub(super) fn settle(page: &mut BakedPage, site: &Site<'_>, values: &[Layer]) {
     if options.denoise == Denoise::Regression {
         let mut terms = terms(options, plan);
         terms.retain(|term| values.contains(&term.value));
+        terms.iter_mut().for_each(|term| term.rider = None);
         let denoisers = [Denoiser::new(&field(page), &[])];
         denoise_by(page, &terms, options, (&denoisers, None));
     }
@@ -148,13 +149,14 @@ fn surface(page: &BakedPage) -> MendedPlanes<'_> {
 fn mend_terms(page: &mut BakedPage, terms: &[TermLayers]) {
     let mends = Mends::of(&surface(page));
     let texels = page.texels();
-    for &TermLayers {
-        value,
-        std_err,
-        half,
-        ..
-    } in terms
-    {
+    for term in terms {
+        let &TermLayers {
+            value,
+            std_err,
+            half,
+            rider,
+            ..
+        } = term;
         let most = if is_light(value) { f64::MAX } else { 1.0 };
         // The span of a term of several channels is the largest of theirs.
         let mut spans: Vec<f64> = Vec::new();
@@ -165,6 +167,10 @@ fn mend_terms(page: &mut BakedPage, terms: &[TermLayers]) {
                 .iter_mut()
                 .zip(own)
                 .for_each(|(span, own)| *span = span.max(own));
+        }
+        if let Some(rider) = rider {
+            let planes = page.planes_of(rider).par_chunks_mut(texels);
+            planes.for_each(|plane| drop(mends.apply(plane, 0.0, most)));
         }
         if page.layer(std_err).is_some() {
             mends.apply_to_errors(page.planes_of(std_err), &spans);
@@ -246,19 +252,21 @@ fn denoise_by(
     if !denoisers.is_empty() {
         drop_unasked(page, options, is_place);
     }
-    for &TermLayers {
-        value,
-        std_err,
-        half,
-        ..
-    } in terms
-    {
+    for term in terms {
+        let &TermLayers {
+            value,
+            std_err,
+            half,
+            rider,
+            ..
+        } = term;
         let all = |layer: Layer| {
             let channels = 0..layer.channels().len();
             channels.map(|channel| fact(page, layer, channel)).collect()
         };
         let mut planes = Term {
             values: all(value),
+            riders: rider.map_or(Vec::new(), all),
             halves: match denoisers.is_empty() {
                 true => Vec::new(),
                 false => all(half),
@@ -278,16 +286,20 @@ fn denoise_by(
                 found
             }
         };
-        let values = page.planes_of(value);
-        for (channel, plane) in values.chunks_mut(texels).enumerate() {
-            found
-                .iter()
-                .for_each(|part| part.set_values(channel, plane));
-        }
-        if let Some(unseen) = unseen {
-            let most = if is_light(value) { f64::MAX } else { 1.0 };
-            let planes = values.par_chunks_mut(texels);
-            planes.for_each(|plane| drop(unseen.apply(plane, 0.0, most)));
+        let mut first = 0;
+        for value in term.values() {
+            let values = page.planes_of(value);
+            for (channel, plane) in values.chunks_mut(texels).enumerate() {
+                found
+                    .iter()
+                    .for_each(|part| part.set_values(first + channel, plane));
+            }
+            first += value.channels().len();
+            if let Some(unseen) = unseen {
+                let most = if is_light(value) { f64::MAX } else { 1.0 };
+                let planes = values.par_chunks_mut(texels);
+                planes.for_each(|plane| drop(unseen.apply(plane, 0.0, most)));
+            }
         }
         let errors = page.planes_of(std_err);
         found.iter().for_each(|part| part.set_errors(errors));

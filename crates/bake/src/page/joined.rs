@@ -36,8 +36,13 @@ pub(super) fn solve_seams(
     let coverage = page.layer(Layer::Coverage).unwrap_or_default();
     let (planes, known): (Vec<_>, Vec<_>) = seamed(page, terms)
         .into_iter()
-        .filter_map(|(term, std_err, channel)| {
-            let layers = (term, std_err, channel);
+        .filter_map(|seamed| {
+            let Seamed {
+                value: term,
+                channel,
+                std_err,
+                ..
+            } = seamed;
             let unit = match is_light(term) || term == Layer::Sh {
                 true => light,
                 false => 1.0,
@@ -55,7 +60,7 @@ pub(super) fn solve_seams(
                 },
             };
             // In the dark every texel holds 0, and both sides agree.
-            (unit > 0.0).then_some((layers, known))
+            (unit > 0.0).then_some((seamed, known))
         })
         .unzip();
     let solved = system.solve(&known, coverage);
@@ -64,7 +69,8 @@ pub(super) fn solve_seams(
     let mut gutters = Vec::new();
     // What the channels of a term so far moved by.
     let mut moves: Vec<f32> = Vec::new();
-    for ((term, std_err, channel), moved) in planes.into_iter().zip(solved) {
+    for (seamed, moved) in planes.into_iter().zip(solved) {
+        let (term, channel) = (seamed.value, seamed.channel);
         if term == Layer::Diffuse {
             page.stats.seams = moved.stats;
         }
@@ -81,8 +87,8 @@ pub(super) fn solve_seams(
             *moved += value - value_before;
         }
         let channels = term.channels().len();
-        if channel + 1 == channels && !directional::holds(term) {
-            let errors = page.planes_of(std_err);
+        if channel + 1 == channels && seamed.counts {
+            let errors = page.planes_of(seamed.std_err);
             for (&(texel, _), moved) in own.iter().zip(&moves) {
                 let error = &mut errors[texel as usize];
                 *error = error.hypot(moved / channels as f32);
@@ -100,14 +106,32 @@ fn brightest(values: &[f32], coverage: &[f32]) -> f64 {
     covered.fold(0.0, |most, (value, _)| f64::max(most, f64::from(*value)))
 }
 
-/// The planes that must agree across seams: layer, the layer of its standard error, channel.
-fn seamed(page: &BakedPage, terms: &[TermLayers]) -> Vec<(Layer, Layer, usize)> {
-    let terms = terms.iter().map(|term| (term.value, term.std_err));
+/// A plane that must agree across seams.
+struct Seamed {
+    value: Layer,
+    channel: usize,
+    /// The standard error by which its texels weigh.
+    std_err: Layer,
+    /// Whether what they move by counts there.
+    counts: bool,
+}
+
+/// The planes that must agree across seams.
+fn seamed(page: &BakedPage, terms: &[TermLayers]) -> Vec<Seamed> {
+    let terms = terms.iter().flat_map(|term| {
+        let of = move |value| (value, term.std_err, value == term.value);
+        term.values().map(of)
+    });
     let directional = directional::of(page).into_iter();
     terms
-        .chain(directional.map(|(layer, _)| (layer, Layer::StdErrDiffuse)))
-        .flat_map(|(term, std_err)| {
-            (0..term.channels().len()).map(move |channel| (term, std_err, channel))
+        .chain(directional.map(|(layer, _)| (layer, Layer::StdErrDiffuse, false)))
+        .flat_map(|(value, std_err, counts)| {
+            (0..value.channels().len()).map(move |channel| Seamed {
+                value,
+                channel,
+                std_err,
+                counts,
+            })
         })
         .collect()
 }
@@ -122,10 +146,10 @@ pub(super) fn keep_sides(page: &BakedPage, terms: &[TermLayers], joined: Option<
     else {
         return;
     };
-    for (term, _, channel) in seamed(page, terms) {
-        let kept = system.kept(page.channel(term, channel).unwrap_or_default());
+    for Seamed { value, channel, .. } in seamed(page, terms) {
+        let kept = system.kept(page.channel(value, channel).unwrap_or_default());
         if !kept.is_empty() {
-            across.keep(light, term, channel, &kept);
+            across.keep(light, value, channel, &kept);
         }
     }
 }

@@ -28,6 +28,6 @@ pub use stats::{ErrorSums, PageStats};
 pub use surveys::bytes_of_surveys;
 pub(crate) use surveys::remade;
 pub(crate) use terms::light_layers;
-pub use terms::{layers_in_work, layers_of_light};
+pub use terms::{channels_of_terms, layers_in_work, layers_of_light};
 pub use tile::BakedTile;
 pub(crate) use tile::{Column, Columns};

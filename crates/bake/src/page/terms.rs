@@ -14,6 +14,8 @@ pub(super) struct TermLayers {
     /// Half of what two halves of the rays differ by.
     pub half: Layer,
     pub choice: Choice,
+    /// What the same rays say besides, smoothed as the term is.
+    pub rider: Option<Layer>,
 }
 
 const fn term([value, std_err, half]: [Layer; 3], choice: Choice) -> TermLayers {
@@ -22,6 +24,7 @@ const fn term([value, std_err, half]: [Layer; 3], choice: Choice) -> TermLayers 
         std_err,
         half,
         choice,
+        rider: None,
     }
 }
 
@@ -45,12 +48,25 @@ pub(super) fn terms(options: &Options, plan: &Plan) -> Vec<TermLayers> {
     let composed = |layer: &Layer| is_composed(*layer) || is_light(*layer);
     let lights: &[TermLayers] = match options.sky.map() {
         Some(_) if options.kept().iter().any(composed) => &LIGHTS,
-        None if options.model == Model::Ggx => &LIGHTS[1..],
         _ => &[],
     };
     let modelled = |term: &&TermLayers| plan.models(term.choice);
     let terms = SHARES.iter().chain(lights).filter(modelled);
-    terms.copied().collect()
+    let mut terms: Vec<TermLayers> = terms.copied().collect();
+    let lobe = terms.iter_mut().find(|term| term.value == Layer::Specular);
+    if let Some(lobe) = lobe.filter(|_| tints(options, plan)) {
+        lobe.rider = Some(Layer::White);
+    }
+    terms
+}
+
+/// Whether light that lobes reflect follows from two shares: of what has the material's colour, and of what is white.
+fn tints(options: &Options, plan: &Plan) -> bool {
+    let follows = |layer: &Layer| is_composed(*layer) || *layer == Layer::Reflection;
+    options.model == Model::Ggx
+        && options.sky.map().is_none()
+        && plan.models(Choice::Specular)
+        && options.kept().iter().any(follows)
 }
 
 /// The layers that are kept while tiles are baked: the facts from which the asked layers follow when the page is
@@ -64,10 +80,7 @@ pub(super) fn working_layers(options: &Options, plan: &Plan, mends: bool) -> Vec
     };
     let uniform = options.sky.map().is_none();
     let ggx = options.model == Model::Ggx;
-    let integrated =
-        |layer: Layer| ggx && matches!(layer, Layer::Reflection | Layer::StdErrReflection);
-    let follows =
-        |layer: Layer| is_composed(layer) || (uniform && is_light(layer) && !integrated(layer));
+    let follows = |layer: Layer| is_composed(layer) || (uniform && is_light(layer));
     let kept = options.kept();
     let asked = kept.iter().copied();
     asked
@@ -83,6 +96,10 @@ pub(super) fn working_layers(options: &Options, plan: &Plan, mends: bool) -> Vec
         if options.denoise == Denoise::Regression {
             add(term.half);
         }
+        term.rider.into_iter().for_each(&mut add);
+    }
+    if tints(options, plan) {
+        add(Layer::Tint);
     }
     if options.denoise != Denoise::Off || mends {
         let geometry = [Layer::Position, Layer::Normal, Layer::Object];
@@ -117,6 +134,24 @@ pub(super) fn working_layers(options: &Options, plan: &Plan, mends: bool) -> Vec
         add(Layer::OpenSpecular);
     }
     layers
+}
+
+impl TermLayers {
+    /// Its value, and what rides with it.
+    pub fn values(&self) -> impl Iterator<Item = Layer> {
+        [Some(self.value), self.rider].into_iter().flatten()
+    }
+}
+
+/// Channels of the terms of a bake with what rides with them: of all, and of the broadest.
+pub fn channels_of_terms(options: &Options, plan: &Plan) -> [u64; 2] {
+    let terms = terms(options, plan).into_iter();
+    let channels = terms.map(|term| {
+        term.values()
+            .map(|value| value.channels().len() as u64)
+            .sum()
+    });
+    channels.fold([0, 1], |[all, most], own: u64| [all + own, most.max(own)])
 }
 
 /// Whether tiles look for what is sealed: fits leave it out.

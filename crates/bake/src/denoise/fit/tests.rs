@@ -25,6 +25,7 @@ fn surface(
         mask: sheet(1, &|_, _| 1.0),
         features: is_bent.then(|| sheet(FEATURES, &|plane, at| feature(plane, at))),
         data: sheet(2, &|plane, at| value(at) * (1 - 3 * plane as i32) as f32),
+        leading: 1,
         errors: sheet(1, &|_, _| 0.0),
     }
 }
