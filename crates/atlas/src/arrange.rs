@@ -25,6 +25,10 @@ const SPREAD: f64 = 16.0;
 /// Smallest texels that are tried, from those of the largest instance down, and the step from one to the next.
 const TRIES: i32 = 8;
 const STEP: f64 = std::f64::consts::FRAC_1_SQRT_2;
+/// Charts that one thread cuts at a time, and the least number of pieces into which the meshes of a scene are parted
+/// for threads.
+const FEW: usize = 8;
+const PIECES: usize = 256;
 /// How often triangles that lie over others of their charts are parted from them: a chart that is all but right has
 /// few.
 const ROUNDS: u32 = 8;
@@ -234,7 +238,12 @@ pub(crate) fn cut(
             (tile.scales.iter().map(shape).collect(), Some(tile))
         }
     };
-    let parts: Vec<_> = sheets.par_iter().with_max_len(1).map(cut).collect();
+    let at_once = sheets.len().div_ceil(PIECES);
+    let parts: Vec<_> = sheets
+        .par_iter()
+        .with_max_len(at_once.max(1))
+        .map(cut)
+        .collect();
     let (mut shapes, mut groups, mut kept) = (Vec::new(), Vec::new(), Vec::new());
     for (own, tile) in parts {
         let first = groups.last().map_or(0, |g| g + 1);
@@ -339,23 +348,34 @@ impl Sheet {
             .map_or(smallest, |(_, least)| least)
     }
 
-    /// The texels of each chart at so many texels a unit, in all quarter turns; in a draft as they stand.
+    /// The texels of each chart at so many texels a unit, in all quarter turns that differ; in a draft as they stand.
     fn shapes(&self, scale: f64, draft: bool) -> Vec<Shape> {
         let shape = |chart: usize| {
-            let [width, height] = self.size(chart, scale);
-            let mask = Mask::of(self.corners(chart, scale), width, height);
-            if draft {
+            let ([width, height], fills) = self.size_and_fill(chart, scale);
+            let mask = match fills {
+                true => Mask::full(width, height),
+                false => Mask::of(self.corners(chart, scale), width, height),
+            };
+            if draft || mask.is_full() && width == height {
                 return vec![mask];
+            }
+            if mask.is_full() {
+                return vec![mask, Mask::full(height, width)];
             }
             let box_size = DVec2::new(f64::from(width), f64::from(height));
             let turned = self
                 .corners(chart, scale)
                 .map(|t| t.map(|p| turn(p, 1, box_size)));
             let quarter = Mask::of(turned, height, width);
-            let (half, last) = (mask.half_turn(), quarter.half_turn());
+            let half = mask.half_turn();
+            if mask == half {
+                return vec![mask, quarter];
+            }
+            let last = quarter.half_turn();
             vec![mask, quarter, half, last]
         };
-        (0..self.charts.len()).into_par_iter().map(shape).collect()
+        let charts = (0..self.charts.len()).into_par_iter();
+        charts.with_min_len(FEW).map(shape).collect()
     }
 
     /// The layout with charts at these spots, in a square or page of `extent` texels. Vertices without a chart go to

@@ -7,11 +7,13 @@ use glam::DVec2;
 pub(crate) struct Mask {
     pub width: u32,
     pub height: u32,
+    /// The span of every row of a full box.
+    whole: [u32; 2],
     spans: Vec<[u32; 2]>,
-    /// Where each row's spans begin, one more than rows.
+    /// Where each row's spans begin, one more than rows; none of a full box.
     starts: Vec<u32>,
-    /// Length of each row's longest span.
-    pub longest: Vec<u32>,
+    /// Length of each row's longest span; none of a full box.
+    longest: Vec<u32>,
     /// Steps of so many rows, around the end, come to every row once and spread evenly from the first few on.
     pub stride: u32,
 }
@@ -19,21 +21,28 @@ pub(crate) struct Mask {
 /// Triangles are taken larger by this many texels, so that what 32 bits round off a coordinate stays inside the mask.
 const SLACK: f64 = 1.0 / 256.0;
 
-/// A box with a longer edge fits no page: its mask has no rows, so that none is too large for memory.
+/// Words that are kept on the stack: rows of up to 64 texels.
+const FEW: usize = 64;
+
+/// A box with a longer edge fits no page: its mask is full, so that none is too large for memory.
 const LARGEST: u32 = 16_384;
 
 impl Mask {
     /// Every texel of a box of `width` x `height` that these triangles touch; they are in texels, inside the box.
     pub fn of(triangles: impl Iterator<Item = [DVec2; 3]>, width: u32, height: u32) -> Mask {
         if width.max(height) > LARGEST {
-            return Mask {
-                width,
-                height,
-                ..Mask::default()
-            };
+            return Mask::full(width, height);
         }
         let words = width.div_ceil(64) as usize;
-        let mut bits = vec![0u64; words * height as usize];
+        // Most charts are small: these need no memory of their own.
+        let (mut few, mut many) = ([0u64; FEW], Vec::new());
+        let bits = match words * height as usize {
+            count @ ..=FEW => &mut few[..count],
+            count => {
+                many.resize(count, 0);
+                &mut many[..]
+            }
+        };
         for corners in triangles {
             rows(corners, height, |y, low, high| {
                 let first = (low.floor().max(0.0) as u32).min(width - 1);
@@ -42,13 +51,11 @@ impl Mask {
                 fill(&mut bits[row..row + words], first, end);
             });
         }
-        let mut mask = Mask {
-            width,
-            height,
-            starts: vec![0],
-            stride: stride(height),
-            ..Mask::default()
-        };
+        let is_full = |row: &[u64]| find(row, 0, false) >= width;
+        if bits.chunks_exact(words.max(1)).all(is_full) {
+            return Mask::full(width, height);
+        }
+        let mut mask = Mask::empty(width, height);
         for row in bits.chunks_exact(words.max(1)) {
             let (mut x, mut longest) = (0, 0);
             loop {
@@ -66,42 +73,62 @@ impl Mask {
         mask
     }
 
-    /// A full box.
-    pub fn full(width: u32, height: u32) -> Mask {
-        let rows = if width.max(height) > LARGEST {
-            0
-        } else {
-            height
-        };
+    /// A box without rows, for as many as it is high.
+    fn empty(width: u32, height: u32) -> Mask {
+        let mut starts = Vec::with_capacity(height as usize + 1);
+        starts.push(0);
         Mask {
             width,
             height,
-            spans: vec![[0, width]; rows as usize],
-            starts: (0..=rows).collect(),
-            longest: vec![width; rows as usize],
+            whole: [0, width],
+            spans: Vec::with_capacity(height as usize),
+            starts,
+            longest: Vec::with_capacity(height as usize),
             stride: stride(height),
         }
     }
 
-    /// The spans of a row, ascending.
-    pub fn row(&self, y: u32) -> &[[u32; 2]] {
-        &self.spans[self.starts[y as usize] as usize..self.starts[y as usize + 1] as usize]
+    /// A full box.
+    pub fn full(width: u32, height: u32) -> Mask {
+        Mask {
+            width,
+            height,
+            whole: [0, width],
+            stride: 1,
+            ..Mask::default()
+        }
     }
 
-    fn rows(&self) -> u32 {
-        self.longest.len() as u32
+    /// True where no texel of the box is missing.
+    pub fn is_full(&self) -> bool {
+        self.starts.is_empty()
+    }
+
+    /// The spans of a row, ascending.
+    pub fn row(&self, y: u32) -> &[[u32; 2]] {
+        match self.is_full() {
+            true => std::slice::from_ref(&self.whole),
+            false => {
+                &self.spans[self.starts[y as usize] as usize..self.starts[y as usize + 1] as usize]
+            }
+        }
+    }
+
+    /// Length of the longest span of a row.
+    pub fn longest(&self, y: u32) -> u32 {
+        match self.is_full() {
+            true => self.width,
+            false => self.longest[y as usize],
+        }
     }
 
     /// The same after half a turn.
     pub fn half_turn(&self) -> Mask {
-        let mut mask = Mask {
-            width: self.width,
-            height: self.height,
-            starts: vec![0],
-            stride: self.stride,
-            ..Mask::default()
-        };
-        for y in (0..self.rows()).rev() {
+        if self.is_full() {
+            return self.clone();
+        }
+        let mut mask = Mask::empty(self.width, self.height);
+        for y in (0..self.height).rev() {
             let turned = self
                 .row(y)
                 .iter()
@@ -116,8 +143,13 @@ impl Mask {
 
     /// Texels within `reach` columns and rows of the mask's, itself included.
     pub fn grown_area(&self, reach: u32) -> u64 {
-        if self.rows() < self.height {
-            return u64::from(self.width) * u64::from(self.height);
+        if self.is_full() {
+            let [width, height] =
+                [self.width, self.height].map(|edge| u64::from(edge) + 2 * u64::from(reach));
+            return width.saturating_mul(height);
+        }
+        if self.width + 2 * reach <= 64 && self.height as usize <= FEW {
+            return self.grown_bits(reach);
         }
         let mut area = 0;
         let mut merged = Vec::new();
@@ -126,6 +158,23 @@ impl Mask {
             area += merged.iter().map(|&[a, b]| u64::from(b - a)).sum::<u64>();
         }
         area
+    }
+
+    /// [`Mask::grown_area`] of a mask that with what it grows by is 64 texels wide and [`FEW`] rows high at most.
+    fn grown_bits(&self, reach: u32) -> u64 {
+        let mut rows = [0u64; FEW];
+        for (y, row) in (0..self.height).zip(&mut rows) {
+            for &[a, b] in self.row(y) {
+                fill(std::slice::from_mut(row), a, b + 2 * reach);
+            }
+        }
+        let rows = &rows[..self.height as usize];
+        let grown = 0..rows.len() + 2 * reach as usize;
+        let texels = grown.map(|y| {
+            let near = y.saturating_sub(2 * reach as usize)..(y + 1).min(rows.len());
+            rows[near].iter().fold(0, |all, row| all | row).count_ones()
+        });
+        texels.map(u64::from).sum()
     }
 
     /// Row `y` of the mask grown by `reach` on every side; rows and columns count from the grown box's corner.
@@ -260,14 +309,32 @@ mod tests {
     }
 
     #[test]
-    fn a_box_too_long_for_any_page_keeps_its_size_and_has_no_rows() {
+    fn small_masks_grow_by_what_their_rows_grow_by() {
+        let corners = |k: f64| [[0.2, 0.1], [7.9 + k, 3.0], [2.0, 9.5]].map(DVec2::from);
+        for (k, reach) in [(0.0, 0), (1.0, 1), (20.0, 2), (40.0, 5), (70.0, 3)] {
+            let far = corners(k).map(|p| p + DVec2::new(0.0, 4.0));
+            let mask = Mask::of([corners(0.0), far].into_iter(), 80, 14);
+            let mut row = Vec::new();
+            let area = (0..14 + 2 * reach).map(|y| {
+                mask.grown_row(y, reach, &mut row);
+                row.iter().map(|&[a, b]| u64::from(b - a)).sum::<u64>()
+            });
+            let area: u64 = area.sum();
+            let narrow = Mask {
+                width: 50,
+                ..mask.clone()
+            };
+            let is_narrow = mask.spans.iter().all(|span| span[1] <= 50);
+            assert_eq!(is_narrow, k < 41.0);
+            assert_eq!(mask.grown_area(reach), area);
+            assert!(!is_narrow || narrow.grown_area(reach) == area, "{k}");
+        }
+    }
+
+    #[test]
+    fn a_box_too_long_for_any_page_keeps_its_size_and_takes_no_memory() {
         let mask = Mask::of(std::iter::empty(), LARGEST + 1, 3);
         assert_eq!((mask.width, mask.height), (LARGEST + 1, 3));
-        let sizeless = Mask {
-            width: 0,
-            height: 0,
-            ..mask
-        };
-        assert_eq!(sizeless, Mask::default());
+        assert!(mask.is_full() && mask.spans.is_empty() && mask.starts.is_empty());
     }
 }

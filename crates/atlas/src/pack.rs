@@ -16,7 +16,7 @@ pub(crate) struct Spot {
     pub turn: u8,
 }
 
-/// A shape in the turns that it may take: one, or all four quarter turns from 0 up.
+/// A shape in the turns that it may take: the first quarter turns from 0 up, without those that look like one before.
 pub(crate) type Shape = Vec<Mask>;
 
 /// A page, or the sheet of a mesh that stands in several places.
@@ -28,6 +28,13 @@ pub(crate) struct Frame {
     pub gutter: u32,
     /// Empty texels along the frame's edges.
     pub border: u32,
+}
+
+impl Frame {
+    /// All of its texels.
+    pub fn texels(self) -> u64 {
+        u64::from(self.width) * u64::from(self.height)
+    }
 }
 
 /// A frame that is being filled.
@@ -88,7 +95,8 @@ impl Page {
             return None;
         }
         // The row that is tried first: where the last place failed, the next one likely fails too.
-        let widest = (0..mask.height).max_by_key(|&y| (mask.longest[y as usize], Reverse(y)))?;
+        let rows = if mask.is_full() { 1 } else { mask.height };
+        let widest = (0..rows).max_by_key(|&y| (mask.longest(y), Reverse(y)))?;
         let &[left, right] = mask
             .row(widest)
             .iter()
@@ -97,7 +105,7 @@ impl Page {
         let end = (height - border).min(below);
         for y in from.max(border)..(end + 1).saturating_sub(mask.height) {
             let longest = &self.longest[y as usize..][..mask.height as usize];
-            let narrow = |row: u32| longest[row as usize] < mask.longest[row as usize];
+            let narrow = |row: u32| longest[row as usize] < mask.longest(row);
             if narrow(tight) {
                 continue;
             }

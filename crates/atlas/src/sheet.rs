@@ -1,6 +1,10 @@
 //! The charts of one mesh, each flat in a plane of its own, before they have places on pages.
 
+use crate::uv::twice_area;
 use glam::DVec2;
+
+/// The part of a box that rounding takes from what fills it.
+const ROUNDED: f64 = 1e-9;
 
 /// The charts of one mesh, each flat in a plane of its own.
 #[derive(Clone)]
@@ -81,14 +85,20 @@ impl Sheet {
 
     /// The size of a chart's box times `scale`, in whole texels.
     pub fn size(&self, chart: usize, scale: f64) -> [u32; 2] {
-        let corners = self.corners(chart, scale).flatten();
-        let high = corners.fold(DVec2::ZERO, DVec2::max);
+        self.size_and_fill(chart, scale).0
+    }
+
+    /// The size, and whether its triangles fill the box, or are so large that they would without each other.
+    pub fn size_and_fill(&self, chart: usize, scale: f64) -> ([u32; 2], bool) {
+        let (mut high, mut twice) = (DVec2::ZERO, 0.0);
+        for corners in self.corners(chart, scale) {
+            high = corners.into_iter().fold(high, DVec2::max);
+            twice += twice_area(corners).abs();
+        }
         // What rounding adds is no texel more.
-        (high - 1e-6)
-            .ceil()
-            .max(DVec2::ONE)
-            .to_array()
-            .map(|t| t as u32)
+        let texels = (high - 1e-6).ceil().max(DVec2::ONE);
+        let fills = 0.5 * twice >= (1.0 - ROUNDED) * high.element_product();
+        (texels.to_array().map(|t| t as u32), fills)
     }
 }
 
@@ -129,5 +139,27 @@ mod tests {
             [4, 8, 9]
         );
         assert!(!sheet.part(0) && !sheet.part(1), "both are alone");
+    }
+
+    #[test]
+    fn two_halves_fill_their_box_and_one_does_not() {
+        let place = |x: f64, y: f64| DVec2::new(x, y);
+        let sheet = Sheet {
+            mesh: 0,
+            instances: vec![0],
+            scales: vec![1.0],
+            sources: vec![0; 4],
+            points: vec![
+                place(0.0, 0.0),
+                place(0.7, 0.0),
+                place(0.7, 0.3),
+                place(0.0, 0.3),
+            ],
+            triangles: vec![[0, 1, 2], [0, 2, 3], [0, 1, 2]],
+            charts: vec![vec![0, 1], vec![2]],
+            hidden: vec![false; 2],
+        };
+        assert_eq!(sheet.size_and_fill(0, 10.0), ([7, 3], true));
+        assert_eq!(sheet.size_and_fill(1, 11.0), ([8, 4], false));
     }
 }
