@@ -19,7 +19,8 @@
 //!
 //! # Where what is
 //!
-//! * How many texels an object gets: `share.rs` is the rule, `search.rs` finds the densities that fit.
+//! * How many texels an object gets: `share.rs` is the rule, `search.rs` finds the densities that fit, and
+//!   `drafts.rs` where it begins.
 //! * How charts are made: `charts.rs`; flat faces, which are not cut, in `flat`; what is handed to the unwrapper in
 //!   `parts.rs`, what it makes of that in `unwrap.rs`; sheets that are drawn twice: `doubled.rs`; how large curved
 //!   pieces are cut and laid flat in `flatten`.
@@ -47,6 +48,7 @@ mod covered;
 mod cutter;
 mod dilate;
 mod doubled;
+mod drafts;
 mod error;
 mod facts;
 mod flat;

@@ -1,5 +1,6 @@
 //! The highest densities at which everything fits its pages.
 
+use crate::drafts::Drafts;
 use crate::objects::Object;
 use crate::pack::{Frame, Shape};
 use crate::pages::{Packed, Spread, spread};
@@ -37,6 +38,11 @@ const MOST_TEXELS: f64 = (1u64 << 30) as f64;
 const CLOSE: f64 = 1.012;
 /// Where drafts promised too little, so many steps up are short.
 const SHORT_RISES: i32 = 4;
+/// What was found to fit is raised to so many times as much, two at once.
+const RISE: [f64; 2] = [1.02, 1.05];
+/// Whether few shapes fit is much by chance: of so many at most it is also asked whether they fit so many times larger.
+const FEW: usize = 1000;
+const CHANCES: [[f64; 2]; 2] = [[1.015, 1.025], [1.035, 1.05]];
 /// The share of the pages that shapes with their gutters fill about.
 const FILL: f64 = 0.93;
 
@@ -103,20 +109,18 @@ pub(crate) fn search<T: Send>(
     // The least that a layout can be: one texel and its gutter a chart.
     let page = f64::from(size).powi(2);
     let texels_of = |densities: &[f64]| self::texels(objects, densities);
-    let grown = |budget: f64| -> Result<f64, Error> {
+    let mut drafts = Drafts::new(|budget: f64| -> Result<f64, Error> {
         if progress.cancelled() {
             return Err(Error::Cancelled);
         }
         let draft = cut(&shared(budget), true)?;
-        too_large(&draft.shapes, size, options.gutter).map_or(Ok(f64::INFINITY), |()| {
-            Ok(draft
-                .shapes
-                .iter()
-                .map(|s| s[0].grown_area(options.gutter) as f64)
-                .sum())
-        })
-    };
-    let least = grown(1.0)?;
+        if too_large(&draft.shapes, size, options.gutter).is_err() {
+            return Ok(f64::INFINITY);
+        }
+        let grown = draft.shapes.iter().map(|s| s[0].grown_area(options.gutter));
+        Ok(grown.sum::<u64>() as f64)
+    });
+    let least = drafts.grown(1.0)?;
     let mut pages = match options.pages {
         Pages::Auto => 1,
         Pages::Most(pages) => pages,
@@ -155,7 +159,7 @@ pub(crate) fn search<T: Send>(
         // Shapes that leave no texel empty show what pages can hold at most: where even that is too little,
         // nothing is tried.
         if pages < most {
-            let best = shared(promise(capacity.min(limit), capacity, &grown)?);
+            let best = shared(drafts.around(capacity, capacity.min(limit))?.1);
             let inside = inside(&best);
             let is_empty = inside < LEAST_INSIDE && inside > promised && limit.is_infinite();
             if coarse(&best) || is_empty {
@@ -164,7 +168,7 @@ pub(crate) fn search<T: Send>(
                 continue;
             }
         }
-        let found = fullest(capacity, limit, least, &grown, &|budget| {
+        let found = fullest(capacity, limit, least, &mut drafts, &|budget| {
             attempt(shared(budget), pages)
         })?;
         match found {
@@ -189,56 +193,27 @@ pub(crate) fn search<T: Send>(
     })
 }
 
-/// A budget of at most `most` that no layout exceeds by more than a twentieth: shapes with their gutters share
-/// no texel.
-fn promise(
-    most: f64,
-    capacity: f64,
-    grown: &dyn Fn(f64) -> Result<f64, Error>,
-) -> Result<f64, Error> {
-    let (mut low, mut high) = (1.0, most);
-    if grown(most)? <= capacity {
-        return Ok(most);
-    }
-    while high > 1.05 * low {
-        let middle = f64::sqrt(low * high);
-        match grown(middle)? <= capacity {
-            true => low = middle,
-            false => high = middle,
-        }
-    }
-    Ok(high)
-}
-
 /// The fullest layout of at most `limit` texels: bisects the budget between one that fits and one that does not.
 ///
 /// * `least`: what shapes take with their gutters where each is as small as it gets.
+/// * `drafts`: what they take at other budgets.
 fn fullest<T: Send>(
     capacity: f64,
     limit: f64,
     least: f64,
-    grown: &dyn Fn(f64) -> Result<f64, Error>,
+    drafts: &mut Drafts<impl Fn(f64) -> Result<f64, Error>>,
     attempt: &(dyn Fn(f64) -> Result<Option<Found<T>>, Error> + Sync),
 ) -> Result<Option<Found<T>>, Error> {
     // With gutters the shapes take more than their budget, so drafts say where to begin.
     let most = capacity.min(limit);
-    let (mut low, mut high) = (1.0, most);
     // Where gutters alone are more than fills the pages, shapes that take no more than the smallest fit if these do.
     let is_tight = least > FILL * capacity;
-    let fill = least.max(FILL * capacity);
-    if grown(most / 16.0)? <= fill {
-        low = most / 16.0;
-    }
-    while high > 1.05 * low {
-        let middle = f64::sqrt(low * high);
-        match grown(middle)? <= fill {
-            true => low = middle,
-            false => high = middle,
-        }
-    }
+    let (low, _) = drafts.around(least.max(FILL * capacity), most)?;
     let mut best: Option<(f64, Found<T>)> = None;
-    let mut fails = f64::INFINITY;
+    // Larger shapes may fit where smaller ones do not: what counts is the largest that fits, and what fails above it.
+    let mut failed: Vec<f64> = Vec::new();
     let mut rises = 0;
+    let mut chances = CHANCES.into_iter();
     let mut pair = match is_tight {
         true => [1.0, low],
         false => [0.95 * low, low].map(|b| b.max(1.0)),
@@ -249,14 +224,20 @@ fn fullest<T: Send>(
         for (budget, found) in pair.into_iter().zip([less?, more?]) {
             match found {
                 Some(found) => best = Some((budget, found)),
-                None => {
-                    fails = fails.min(budget);
-                    break;
-                }
+                None => failed.push(budget),
             }
         }
+        let fits = best.as_ref().map_or(0.0, |best| best.0);
+        let above = failed.iter().filter(|&&budget| budget > fits);
+        let fails = above.copied().fold(f64::INFINITY, f64::min);
         pair = match best {
-            Some((fits, _)) if fails < fits * CLOSE => break,
+            Some((fits, ref found)) if fails < fits * CLOSE => {
+                let is_few = found.packed.spots.len() <= FEW;
+                let Some(steps) = chances.next().filter(|_| is_few) else {
+                    break;
+                };
+                steps.map(|step| (step * fits).min(most))
+            }
             Some((fits, _)) if fails.is_finite() => {
                 let third = (fails / fits).cbrt();
                 [fits * third, fits * third * third]
@@ -266,7 +247,12 @@ fn fullest<T: Send>(
             Some((fits, _)) => {
                 rises += 1;
                 let steps = 1 << (rises - SHORT_RISES).clamp(0, 16);
-                [1.02f64, 1.05].map(|step| (step.powi(steps) * fits).min(most))
+                // Gutters take so much of small charts that a step in texels is a long one in budgets.
+                RISE.map(|step| {
+                    (step.powi(steps) * fits)
+                        .max(drafts.times(fits, step))
+                        .min(most)
+                })
             }
             None if fails <= 1.0 => break,
             // So far below what drafts promise, first of all whether anything fits.
@@ -321,8 +307,8 @@ mod tests {
             };
             Ok((budget <= most).then_some(found))
         };
-        let grown = |_| Ok(draft * 1e6);
-        let found = fullest(1e6, f64::INFINITY, draft * 1e6, &grown, &attempt);
+        let mut drafts = Drafts::new(|_| Ok(draft * 1e6));
+        let found = fullest(1e6, f64::INFINITY, draft * 1e6, &mut drafts, &attempt);
         let budget = found.expect("no error").map(|found| found.densities[0]);
         (budget, count.into_inner())
     }
