@@ -3,13 +3,15 @@
 use crate::audit::{Findings, audit};
 use crate::authored::authored_sheets;
 use crate::charts::sheets;
+use crate::copies::Tile;
 use crate::hidden::hide;
 use crate::mask::Mask;
 use crate::measure::{AS_IT_STANDS, density};
 use crate::objects::Object;
-use crate::pack::{Frame, Shape, Spot, pack};
+use crate::pack::Spot;
 use crate::search::{Cut, Found, search};
-use crate::sheet::Sheet;
+use crate::share::{Limits, limits};
+use crate::sheet::{Sheet, turn};
 use crate::uv::twice_area;
 use crate::{Atlas, Audit, Error, MeshLayout, Options, Placement, Seen, UvSource};
 use glam::{DVec2, Vec2};
@@ -19,15 +21,7 @@ use scene::Scene;
 
 /// Edge of a speck: two units in the last place of a coordinate in 0.5..1.
 const SPECK: f32 = 1.0 / (1 << 23) as f32;
-/// Instances of one mesh differ at most so much in their texels: smaller ones are laid out larger than asked, for all
-/// share one layout, whose gutter is wide enough for the smallest and this much wider in the largest.
-const SPREAD: f64 = 16.0;
-/// Smallest texels that are tried, from those of the largest instance down, and the step from one to the next.
-const TRIES: i32 = 8;
-const STEP: f64 = std::f64::consts::FRAC_1_SQRT_2;
-/// Charts that one thread cuts at a time, and the least number of pieces into which the meshes of a scene are parted
-/// for threads.
-const FEW: usize = 8;
+/// The least number of pieces into which the meshes of a scene are parted for threads.
 const PIECES: usize = 256;
 /// How often triangles that lie over others of their charts are parted from them: a chart that is all but right has
 /// few.
@@ -62,11 +56,14 @@ pub(crate) fn unwrap(
     let mut objects = objects.to_vec();
     if let Some(seen) = seen {
         hide(&mut sheets, seen, options.cut_hidden);
-        for sheet in &sheets {
-            let (hidden, texels) = (sheet.hidden_area(), sheet.hidden_texels());
-            for (&i, scale) in sheet.instances.iter().zip(&sheet.scales) {
+        for object in objects.iter_mut().filter(|object| object.included) {
+            object.area = 0.0;
+        }
+        for sheet in &mut sheets {
+            let (seen, texels) = (sheet.fit_seen(scene), sheet.hidden_texels());
+            for (&i, seen) in sheet.instances.iter().zip(seen) {
                 let object = &mut objects[object_of[i as usize]];
-                object.area = (object.area - hidden * scale * scale).max(0.0);
+                object.area += seen;
                 object.hidden += texels;
             }
         }
@@ -122,7 +119,8 @@ fn arrange(
     progress: &dyn Progress,
 ) -> Result<(Atlas, Findings), Error> {
     let cut = |densities: &[f64], draft: bool| {
-        let of = |instance: u32| densities[object_of[instance as usize]];
+        let limits = limits(objects, densities, options.even);
+        let of = |instance: u32| limits[object_of[instance as usize]];
         Ok(cut(sheets, options.gutter, of, draft))
     };
     let Found {
@@ -207,28 +205,19 @@ pub(crate) fn settle(
     specks
 }
 
-/// The charts of a mesh that stands in several places, arranged once for all of them.
-pub(crate) struct Tile {
-    /// Texels per mesh unit at which it was arranged: that of the smallest instance.
-    scale: f64,
-    /// Texels per mesh unit of each instance.
-    scales: Vec<f64>,
-    spots: Vec<Spot>,
-    /// Texels in use at `scale`.
-    extent: DVec2,
-}
-
 /// The shapes of all sheets, and the tiles of those that stand in several places.
+///
+/// * `limits`: those of each instance.
 pub(crate) fn cut(
     sheets: &[Sheet],
     gutter: u32,
-    density: impl Fn(u32) -> f64 + Sync,
+    limits: impl Fn(u32) -> Limits + Sync,
     draft: bool,
 ) -> Cut<Vec<Option<Tile>>> {
     let cut = |sheet: &Sheet| match sheet.instances[..] {
-        [only] => (sheet.shapes(density(only), draft), None),
+        [only] => (sheet.shapes(limits(only).density, draft), None),
         _ => {
-            let tile = Tile::of(sheet, gutter, &density);
+            let tile = Tile::of(sheet, gutter, &limits);
             let shape = |&scale: &f64| {
                 let size = (tile.extent * (scale / tile.scale) - 1e-6)
                     .ceil()
@@ -260,124 +249,7 @@ pub(crate) fn cut(
     }
 }
 
-impl Tile {
-    fn of(sheet: &Sheet, gutter: u32, density: impl Fn(u32) -> f64) -> Tile {
-        let instances = sheet.instances.iter().zip(&sheet.scales);
-        let mut scales: Vec<f64> = instances.map(|(&i, scale)| scale * density(i)).collect();
-        let scale = sheet.least_scale(gutter, &scales);
-        for own in &mut scales {
-            *own = own.max(scale);
-        }
-        let shapes = sheet.shapes(scale, false);
-        let all: Vec<usize> = (0..shapes.len()).collect();
-        let area: u64 = shapes.iter().map(|s| s[0].grown_area(gutter)).sum();
-        let widest = shapes
-            .iter()
-            .map(|s| s[0].width.max(s[0].height))
-            .max()
-            .unwrap_or(1);
-        let mut edge = ((area as f64).sqrt() as u32)
-            .saturating_sub(2 * gutter)
-            .max(1);
-        let spots = loop {
-            let (width, height) = (edge.max(widest), edge.max(widest));
-            match pack(
-                &shapes,
-                &all,
-                Frame {
-                    width,
-                    height,
-                    gutter,
-                    border: 0,
-                },
-            ) {
-                Ok(spots) => break spots,
-                Err(_) => edge += 1 + edge / 32,
-            }
-        };
-        let end = |(spot, shape): (&Spot, &Shape)| {
-            let mask = &shape[spot.turn as usize];
-            DVec2::new(
-                f64::from(spot.x + mask.width),
-                f64::from(spot.y + mask.height),
-            )
-        };
-        let extent = spots
-            .iter()
-            .zip(&shapes)
-            .map(end)
-            .fold(DVec2::ONE, DVec2::max);
-        Tile {
-            scale,
-            scales,
-            spots,
-            extent,
-        }
-    }
-}
-
 impl Sheet {
-    /// The texels per mesh unit that an instance gets at least, so that all take the least area together. The gutter of
-    /// the smallest grows with the instance; so one that is small beside the others had better be laid out larger than
-    /// asked.
-    fn least_scale(&self, gutter: u32, scales: &[f64]) -> f64 {
-        let limits = (f64::INFINITY, 0.0f64);
-        let around = |(low, high): (f64, f64), &scale: &f64| (low.min(scale), high.max(scale));
-        let (smallest, largest) = scales.iter().fold(limits, around);
-        let smallest = smallest.max(largest / SPREAD);
-        let area = |least: f64| {
-            let grown = |chart: usize| {
-                let sides = self.size(chart, least);
-                sides
-                    .map(|side| f64::from(side + gutter))
-                    .iter()
-                    .product::<f64>()
-            };
-            let one: f64 = (0..self.charts.len()).map(grown).sum();
-            let times = scales
-                .iter()
-                .map(|scale| (scale.max(least) / least).powi(2));
-            one * times.sum::<f64>()
-        };
-        let tried = (0..TRIES).map(|k| largest * STEP.powi(k));
-        let tried = tried.filter(|&least| least > smallest);
-        let all = std::iter::once(smallest).chain(tried);
-        let measured = all.map(|least| (area(least), least));
-        measured
-            .min_by(|a, b| a.0.total_cmp(&b.0))
-            .map_or(smallest, |(_, least)| least)
-    }
-
-    /// The texels of each chart at so many texels a unit, in all quarter turns that differ; in a draft as they stand.
-    fn shapes(&self, scale: f64, draft: bool) -> Vec<Shape> {
-        let shape = |chart: usize| {
-            let ([width, height], fills) = self.size_and_fill(chart, scale);
-            let mask = match fills {
-                true => Mask::full(width, height),
-                false => Mask::of(self.corners(chart, scale), width, height),
-            };
-            if draft || mask.is_full() && width == height {
-                return vec![mask];
-            }
-            if mask.is_full() {
-                return vec![mask, Mask::full(height, width)];
-            }
-            let box_size = DVec2::new(f64::from(width), f64::from(height));
-            let turned = self
-                .corners(chart, scale)
-                .map(|t| t.map(|p| turn(p, 1, box_size)));
-            let quarter = Mask::of(turned, height, width);
-            let half = mask.half_turn();
-            if mask == half {
-                return vec![mask, quarter];
-            }
-            let last = quarter.half_turn();
-            vec![mask, quarter, half, last]
-        };
-        let charts = (0..self.charts.len()).into_par_iter();
-        charts.with_min_len(FEW).map(shape).collect()
-    }
-
     /// The layout with charts at these spots, in a square or page of `extent` texels. Vertices without a chart go to
     /// the first corner, which the gutter keeps free.
     fn layout(&self, spots: &[Spot], scale: f64, extent: DVec2) -> MeshLayout {
@@ -412,16 +284,6 @@ impl Sheet {
                 Vec::new()
             },
         }
-    }
-}
-
-/// A point of a box after quarter turns from +u to +v, in the turned box.
-fn turn(p: DVec2, quarters: u8, size: DVec2) -> DVec2 {
-    match quarters {
-        0 => p,
-        1 => DVec2::new(size.y - p.y, p.x),
-        2 => size - p,
-        _ => DVec2::new(p.y, size.x - p.x),
     }
 }
 

@@ -9,6 +9,7 @@ use crate::mask::Mask;
 use crate::measure::AS_IT_STANDS;
 use crate::pack::{Frame, Page, Shape, Spot, add};
 use crate::search::{Cut, MOST_PAGES};
+use crate::share::Limits;
 use crate::uv::{corners, page};
 use crate::{Atlas, Options, Pages, Placement, Seen};
 use glam::{DVec2, Vec2};
@@ -53,6 +54,9 @@ pub(crate) fn insert(
     let mut sheets = sheets(scene, new.anew, progress).ok()?;
     if let Some(seen) = seen {
         hide(&mut sheets, seen, options.cut_hidden);
+        for sheet in &mut sheets {
+            sheet.fit_seen(scene);
+        }
     }
     let size = f64::from(atlas.page_size);
     let rectangle = |&(_, sibling, ratio): &(u32, u32, f64)| {
@@ -71,7 +75,7 @@ pub(crate) fn insert(
             mut shapes,
             mut groups,
             kept: tiles,
-        } = cut(&sheets, options.gutter, density, false);
+        } = cut(&sheets, options.gutter, |i| Limits::law(density(i)), false);
         let charts = shapes.len();
         for rectangle in &rectangles {
             let texels = (*rectangle * size - 1e-6).ceil().max(DVec2::ONE);

@@ -1,8 +1,10 @@
 //! Charts that nobody sees.
 
+use crate::measure::triangle_area;
 use crate::sheet::Sheet;
 use crate::{Seen, SurfacePoint};
 use rayon::prelude::*;
+use scene::Scene;
 use std::collections::{HashMap, HashSet};
 
 /// Points of a chart that are asked for, at least: one that is not seen in so many is taken for hidden.
@@ -74,10 +76,33 @@ fn spread(k: u32, count: u32) -> [f64; 3] {
 }
 
 impl Sheet {
-    /// Area of all hidden charts, in square mesh units.
-    pub fn hidden_area(&self) -> f64 {
-        let hidden = (0..self.charts.len()).filter(|&c| self.hidden[c]);
-        hidden.map(|chart| self.area(chart)).sum()
+    /// Scales the charts, or for each instance of several what it has of them, so that of what is seen they have the
+    /// area that it has in the world: a file's coordinates may give one chart more than another. The surface in the
+    /// world that somebody sees, by instance.
+    pub fn fit_seen(&mut self, scene: &Scene) -> Vec<f64> {
+        let shown = (0..self.charts.len()).filter(|&chart| !self.hidden[chart]);
+        let shown: Vec<u32> = shown
+            .flat_map(|chart| &self.charts[chart])
+            .copied()
+            .collect();
+        let flat: f64 = shown.iter().map(|&t| self.triangle_area(t)).sum();
+        let surface = |&instance: &u32| -> f64 {
+            let areas = shown
+                .iter()
+                .map(|&t| triangle_area(scene, instance as usize, t as usize));
+            areas.sum()
+        };
+        let surfaces: Vec<f64> = self.instances.iter().map(surface).collect();
+        let scales = surfaces.iter().map(|surface| (surface / flat).sqrt());
+        let scales: Vec<f64> = scales.collect();
+        let are_usable = scales.iter().all(|&scale| scale.is_finite() && scale > 0.0);
+        match scales[..] {
+            // Where all is seen, the charts have its area as they were made.
+            _ if !are_usable || !self.hidden.contains(&true) => {}
+            [only] => self.points.iter_mut().for_each(|point| *point *= only),
+            _ => self.scales = scales,
+        }
+        surfaces
     }
 
     /// Area of all hidden charts on the pages, in texels.

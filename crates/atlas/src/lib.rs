@@ -25,8 +25,8 @@
 //!   `parts.rs`, what it makes of that in `unwrap.rs`; sheets that are drawn twice: `doubled.rs`; how large curved
 //!   pieces are cut and laid flat in `flatten`.
 //! * Coordinates of the file: `keep.rs`, and `authored.rs` where their charts are packed apart.
-//! * Packing: `pack.rs` for a page, `pages.rs` for several. How wide gutters are: `gutter.rs`. How they are filled:
-//!   `dilate.rs`.
+//! * Packing: `pack.rs` for a page, `pages.rs` for several, `copies.rs` for the charts of a mesh that stands in several
+//!   places. How wide gutters are: `gutter.rs`. How they are filled: `dilate.rs`.
 //! * Which charts count as hidden: `hidden.rs` asks, `crates/ambake/seen.rs` answers for points of a triangle,
 //!   `crates/ambake/shell.rs` for the outsides of rooms.
 //! * Which part of a texel counts: `footprint.rs`. How triangles are cut to texels: `cutter.rs`; which texels need no
@@ -43,6 +43,7 @@ mod authored;
 mod centre;
 mod charts;
 mod clip;
+mod copies;
 mod cover;
 mod covered;
 mod cutter;

@@ -12,8 +12,8 @@
 //!
 //! So no object has more texels than its area allows: its share is at most 16 times what it would be at equal
 //! density, and a surface that has what it needs gets no more than another. Only specks of fewer than 16 texels have
-//! more than [`MOST`] times the density of others. Objects whose density was asked for have it; the rule shares what
-//! they leave.
+//! more than [`MOST`] times the density of others, and small copies of a mesh (`copies.rs`). Objects whose density was
+//! asked for have it; the rule shares what they leave.
 
 use crate::objects::Object;
 
@@ -60,6 +60,45 @@ pub(crate) fn densities(objects: &[Object], budget: f64, edge: u32, even: bool) 
         out[i] = equal.unwrap_or(1.0);
     }
     out
+}
+
+/// How fine the parts of an object are, in texels per scene unit.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Limits {
+    /// As it should be.
+    pub density: f64,
+    /// Up to which the rule holds as well.
+    pub most: f64,
+    /// Which a copy of a mesh may have where larger ones would take more texels without.
+    pub last: f64,
+}
+
+impl Limits {
+    /// Just this density.
+    pub fn law(density: f64) -> Self {
+        Self {
+            density,
+            most: density,
+            last: density,
+        }
+    }
+}
+
+/// The limits of objects that have these densities by the rule.
+pub(crate) fn limits(objects: &[Object], densities: &[f64], even: bool) -> Vec<Limits> {
+    let is_shared = |object: &Object| object.included && object.asked.is_none();
+    let all = || objects.iter().zip(densities);
+    let shared = all().filter(|(object, _)| is_shared(object) && object.area > 0.0);
+    let least = shared.fold(f64::INFINITY, |least, (_, density)| least.min(*density));
+    let of = |(object, &density): (&Object, &f64)| match is_shared(object) && !even {
+        true => Limits {
+            density,
+            most: density.max(MOST * least),
+            last: f64::INFINITY,
+        },
+        false => Limits::law(density),
+    };
+    all().map(of).collect()
 }
 
 /// The density at which objects have so many texels together.

@@ -1,10 +1,15 @@
 //! The charts of one mesh, each flat in a plane of its own, before they have places on pages.
 
+use crate::mask::Mask;
+use crate::pack::Shape;
 use crate::uv::twice_area;
 use glam::DVec2;
+use rayon::prelude::*;
 
 /// The part of a box that rounding takes from what fills it.
 const ROUNDED: f64 = 1e-9;
+/// Charts that one thread cuts at a time.
+const FEW: usize = 8;
 
 /// The charts of one mesh, each flat in a plane of its own.
 #[derive(Clone)]
@@ -99,6 +104,46 @@ impl Sheet {
         let texels = (high - 1e-6).ceil().max(DVec2::ONE);
         let fills = 0.5 * twice >= (1.0 - ROUNDED) * high.element_product();
         (texels.to_array().map(|t| t as u32), fills)
+    }
+
+    /// The texels of each chart at so many texels a unit, in all quarter turns that differ; in a draft as they stand.
+    pub fn shapes(&self, scale: f64, draft: bool) -> Vec<Shape> {
+        let shape = |chart: usize| {
+            let ([width, height], fills) = self.size_and_fill(chart, scale);
+            let mask = match fills {
+                true => Mask::full(width, height),
+                false => Mask::of(self.corners(chart, scale), width, height),
+            };
+            if draft || mask.is_full() && width == height {
+                return vec![mask];
+            }
+            if mask.is_full() {
+                return vec![mask, Mask::full(height, width)];
+            }
+            let box_size = DVec2::new(f64::from(width), f64::from(height));
+            let turned = self
+                .corners(chart, scale)
+                .map(|t| t.map(|p| turn(p, 1, box_size)));
+            let quarter = Mask::of(turned, height, width);
+            let half = mask.half_turn();
+            if mask == half {
+                return vec![mask, quarter];
+            }
+            let last = quarter.half_turn();
+            vec![mask, quarter, half, last]
+        };
+        let charts = (0..self.charts.len()).into_par_iter();
+        charts.with_min_len(FEW).map(shape).collect()
+    }
+}
+
+/// A point of a box after quarter turns from +u to +v, in the turned box.
+pub(crate) fn turn(p: DVec2, quarters: u8, size: DVec2) -> DVec2 {
+    match quarters {
+        0 => p,
+        1 => DVec2::new(size.y - p.y, p.x),
+        2 => size - p,
+        _ => DVec2::new(p.y, size.x - p.x),
     }
 }
 

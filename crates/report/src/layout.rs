@@ -10,7 +10,8 @@ pub struct LayoutReport {
     pub page_use: f64,
     /// Share of the pages' area inside charts, 0..=1.
     pub covered: f64,
-    /// Texels per scene unit, over objects that take texels and that somebody sees.
+    /// Texels per scene unit, over objects that somebody sees and that have 16 texels or more; over all that somebody
+    /// sees where none has.
     pub texels_per_unit: Spread,
     /// Number of charts.
     pub charts: u32,
@@ -53,6 +54,8 @@ impl ObjectLayout {
     }
 }
 
+/// Objects of fewer texels have what the least number of texels gives them, and may be finer than all others.
+const LEAST: f64 = 16.0;
 /// From this part of all texels an object is named in a warning, if others have fewer than [`FEW`] across.
 const LARGE_SHARE: f64 = 0.5;
 const FEW: f64 = 32.0;
@@ -77,8 +80,10 @@ impl LayoutReport {
             across: o.across,
         };
         let objects: Vec<ObjectLayout> = facts.objects.into_iter().map(object).collect();
-        let seen = objects.iter().filter(|o| o.is_seen());
-        let mut densities: Vec<f64> = seen.map(|o| o.density).collect();
+        let seen = || objects.iter().filter(|o| o.is_seen());
+        let is_any = seen().any(|o| o.texels >= LEAST);
+        let counted = seen().filter(|o| o.texels >= LEAST || !is_any);
+        let mut densities: Vec<f64> = counted.map(|o| o.density).collect();
         densities.sort_by(f64::total_cmp);
         let at = |k: usize| densities.get(k).copied().unwrap_or(0.0);
         LayoutReport {
@@ -224,6 +229,22 @@ impl LayoutReport {
         })
     }
 
+    /// What is said of objects that are finer than all that count for [`LayoutReport::texels_per_unit`].
+    fn specks(&self) -> String {
+        let is_finer = |o: &&ObjectLayout| o.is_seen() && o.density > self.texels_per_unit.max;
+        let finer = || self.objects.iter().filter(is_finer);
+        match finer().map(|o| o.density).fold(0.0, f64::max) {
+            0.0 => String::new(),
+            most => {
+                let (count, texels) = (finer().count(), LEAST as u32);
+                format!(
+                    "; {count} of fewer than {texels} texels: up to {}",
+                    short(most)
+                )
+            }
+        }
+    }
+
     /// What an artist asks first, a few lines.
     pub fn text(&self) -> String {
         let Spread { min, median, max } = &self.texels_per_unit;
@@ -235,7 +256,7 @@ impl LayoutReport {
         };
         let mut text = format!(
             "{:.1} % of the pages in use ({:.1} % inside charts), {} chart{}; {coarse}\n\
-             texels per unit: {} to {}, median {}{}\n",
+             texels per unit: {} to {}, median {}{}{}\n",
             100.0 * self.page_use,
             100.0 * self.covered,
             self.charts,
@@ -247,6 +268,7 @@ impl LayoutReport {
                 Some(_) => ", uneven",
                 None => "",
             },
+            self.specks(),
         );
         let mut largest: Vec<_> = self.objects.iter().collect();
         largest.sort_by(|a, b| b.share.total_cmp(&a.share));
@@ -296,6 +318,32 @@ mod tests {
             share: texels / 100.0,
             across,
         }
+    }
+
+    #[test]
+    fn an_object_of_fewer_texels_than_any_needs_does_not_count_for_the_densities() {
+        let mut layout = LayoutReport {
+            texels_per_unit: Spread {
+                min: 2.0,
+                median: 3.0,
+                max: 8.0,
+            },
+            objects: vec![object("floor", 900.0, 40.0)],
+            ..LayoutReport::default()
+        };
+        let line = "texels per unit: 2.00 to 8.00, median 3.00";
+        assert!(
+            layout.text().contains(&format!("{line}\n")),
+            "{}",
+            layout.text()
+        );
+        let speck = |density: f64| ObjectLayout {
+            density,
+            ..object("screw", 15.9, 4.0)
+        };
+        layout.objects.extend([speck(31.0), speck(9.0), speck(7.0)]);
+        let line = format!("{line}; 2 of fewer than 16 texels: up to 31.0\n");
+        assert!(layout.text().contains(&line), "{}", layout.text());
     }
 
     #[test]

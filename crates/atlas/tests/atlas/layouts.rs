@@ -98,7 +98,7 @@ fn charts_of_a_file_that_touch_are_told_of_and_gaps_are_not() {
 }
 
 /// A cube of which each face fills its sixth of the page: of 96 texels 32 x 48.
-fn crowded_cube() -> Mesh {
+pub fn crowded_cube() -> Mesh {
     let mut full = cube();
     for (k, uv) in full.uv_sets[0].iter_mut().enumerate() {
         let [column, row] = [k / 4 % 3, k / 12].map(|cell| cell as f32);

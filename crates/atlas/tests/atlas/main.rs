@@ -7,6 +7,7 @@
 )]
 
 mod cuts;
+mod densities;
 mod footprints;
 mod gutters;
 mod layouts;
