@@ -61,8 +61,8 @@ impl<F: Fn(f64) -> Result<f64, Error>> Drafts<F> {
         let mut high = is_over(&self.known).unwrap_or((most, f64::INFINITY));
         let below = self.known.iter().rev().find(|(budget, _)| *budget < high.0);
         let mut low = *below.unwrap_or(&(1.0, room));
-        // Texels are whole, and small shapes stay as they are over many budgets: where what is known leads nowhere, what
-        // is between is halved.
+        // Texels are whole, and small shapes stay as they are over many budgets: where what is known leads nowhere,
+        // what is between is halved.
         let mut leads = true;
         while high.0 > CLOSE * low.0 {
             let half = f64::sqrt(low.0 * high.0);
