@@ -194,7 +194,7 @@ const TOLD: &[Told] = &[
         "street.glb",
         &[
             ("small-page", "pages of 256²"),
-            ("uneven-density", "object `sign_1`"),
+            ("uneven-density", "object `lamp_0`"),
         ],
         "170 objects along 60 m, of which those of half a metre get four times the density of houses",
     ),
