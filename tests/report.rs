@@ -18,9 +18,9 @@ fn every_bake_ends_with_a_picture_that_render_makes_again() {
             "--size",
             "128",
             "--rays",
-            "16",
+            "64",
             "--exclude",
-            "chair_0",
+            "chair_2",
             "--sky",
             "3,3,3",
         ],
@@ -40,14 +40,14 @@ fn every_bake_ends_with_a_picture_that_render_makes_again() {
     let (lit, again) = (bytes(&lit), bytes(Path::new(&again)));
     assert_eq!(lit.len(), again.len());
     // Where surfaces end the picture has 16 samples a pixel too, which are exposed before their mean is taken. The GLB
-    // holds its page coordinates in f32, and an excluded chair, which fills some 1 % of the picture, is integrated with
-    // other rays.
+    // holds its page coordinates in f32, and an excluded chair, which fills less than 1 % of the picture, is integrated
+    // with other rays.
     let far = lit
         .iter()
         .zip(&again)
         .filter(|(a, b)| a.abs_diff(**b) > 2)
         .count();
-    assert!(far * 35 < lit.len(), "{far} of {} bytes differ", lit.len());
+    assert!(far * 100 < lit.len(), "{far} of {} bytes differ", lit.len());
     let mean = lit.iter().map(|&v| f64::from(v)).sum::<f64>() / lit.len() as f64;
     assert!(
         (20.0..235.0).contains(&mean),
@@ -131,7 +131,7 @@ fn an_interior_that_is_lit_in_a_part_is_shown_there_and_not_black() {
         pixels as f64 / (lit.len() / 3) as f64
     };
     let black = shown(|pixel| pixel.iter().all(|v| *v < 40));
-    let sky = shown(|pixel| pixel[2] > pixel[0] + 20);
+    let sky = shown(|pixel| pixel[2].saturating_sub(pixel[0]) > 20);
     assert!(black < 0.25 && sky < 0.25, "{black} black, {sky} sky");
 }
 

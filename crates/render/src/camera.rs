@@ -89,6 +89,13 @@ impl Camera {
         middle + toward * (1.05 * distance)
     }
 
+    /// True where the picture shows what lies in a direction from the eye.
+    pub(crate) fn frames(&self, way: DVec3) -> bool {
+        let [width, height] = self.size.map(f64::from);
+        let reach = self.slope * way.dot(self.forward);
+        way.dot(self.up).abs() <= reach && way.dot(self.right).abs() <= reach * width / height
+    }
+
     /// Unit direction through the point `(x, y)` of the picture in pixels, `(0, 0)` the upper left corner.
     pub fn direction(&self, x: f64, y: f64) -> DVec3 {
         let [width, height] = self.size.map(f64::from);

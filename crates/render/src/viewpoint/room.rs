@@ -1,9 +1,9 @@
 //! The scene as a place to look around in: what rays from a place meet, how closed it is there, and which view shows
 //! most.
 
-use super::subject::{Point, focus, normal, points};
-use crate::Camera;
+use super::subject::{Point, focus, points};
 use crate::framing::extent;
+use crate::{Camera, Framing};
 use glam::{DQuat, DVec3};
 use rays::{Bounds, Ray, RayBackend, Stops, SurfaceHit, World};
 use std::f64::consts::{PI, TAU};
@@ -20,16 +20,16 @@ const FLOOR: f64 = 1.0 / 3.0;
 const SOLID: u32 = 12;
 /// A view from another side is taken where it shows so many times as many of them.
 const BETTER: f64 = 1.25;
-/// What a view within a scene of rooms tells counts so many times against one from outside.
-const ROOMS: f64 = 1.4;
+/// And one from the side next to it where it shows so many times as many.
+const BESIDE: f64 = 1.125;
 /// By how much the steeper views rise above the others, in radians: 25 degrees.
 const STEEPER: f64 = 25.0 * PI / 180.0;
-/// Rays across a picture by which one from inside and one from outside are compared.
-const ACROSS: u32 = 40;
-/// Cells of a grid along the longest side of a scene, in each of which a piece of surface is of one body.
-const CELLS: f64 = 16.0;
+/// Of the points one in so many is asked which view from within shows most.
+const ASKED: usize = 2;
 /// Of the directions over a surface, one in so many is asked whether it meets nothing.
 const OPEN: usize = 4;
+/// A point that sees the sky counts so many times in a brighter view.
+const LIT: usize = 4;
 /// A ray goes on so much of its way past what it does not meet.
 const PAST: f32 = 1e-5;
 /// So much of the way to what is around the scene an eye may take.
@@ -46,10 +46,10 @@ type Place = (DVec3, u32);
 
 /// A view from within a scene.
 pub(super) struct Within {
-    /// Eye and look-at point.
-    pub through: [DVec3; 2],
-    /// How many times what it tells counts.
-    pub counts: f64,
+    pub camera: Camera,
+    /// How many points it shows, by how much of what is above it is closed: a doll's house without a roof is looked at
+    /// from above, a cave or a hall below a skylight is not.
+    pub shows: f64,
     /// Most of the free space is closed.
     pub is_closed: bool,
     /// The closed places.
@@ -84,7 +84,8 @@ impl<'a> Room<'a> {
         }
     }
 
-    fn first(&self, eye: DVec3, toward: DVec3) -> Option<SurfaceHit> {
+    /// What a ray from a place in a direction meets first, but for what only stands around the scene.
+    pub fn first(&self, eye: DVec3, toward: DVec3) -> Option<SurfaceHit> {
         self.first_of([eye, toward], Stops::Any, |instance| {
             !self.around.contains(&instance)
         })
@@ -141,61 +142,46 @@ impl<'a> Room<'a> {
         2.0 * (self.focus.max - self.focus.min).length()
     }
 
+    /// How many points are seen from far away in a direction.
+    fn seen(&self, toward: DVec3) -> usize {
+        let is_seen = |point: &&Point| self.sees(point.at + self.far() * toward, point);
+        self.points.iter().filter(is_seen).count()
+    }
+
+    /// How many points are seen in the picture of a camera.
+    pub fn shown(&self, camera: &Camera) -> usize {
+        let is_shown =
+            |point: &&Point| camera.frames(point.at - camera.eye) && self.sees(camera.eye, point);
+        self.points.iter().filter(is_shown).count()
+    }
+
     /// The direction from which most points are seen, of eight around the scene and eight steeper ones: that of
     /// [`Camera::front`] unless many more are from another around, and a steeper one where many more are from there.
+    /// From the next one to either side some more are enough, so that none is taken that looks at a corner behind
+    /// which most is hidden.
     pub fn outside(&self) -> DVec3 {
         let front = Camera::front(self.up);
         let axis = self.up.cross(front).normalize_or(DVec3::X);
-        let rings = [0.0, STEEPER].map(|rise| DQuat::from_axis_angle(axis, -rise) * front);
-        let seen = |toward: DVec3| {
-            let is_seen = |point: &&Point| self.sees(point.at + self.far() * toward, point);
-            self.points.iter().filter(is_seen).count()
+        let toward = |index: usize| {
+            let rise = [0.0, STEEPER][index / 8];
+            let turn = TAU * (index % 8) as f64 / 8.0;
+            DQuat::from_axis_angle(self.up, turn) * (DQuat::from_axis_angle(axis, -rise) * front)
         };
-        let mut best = (seen(rings[0]), rings[0]);
-        for ring in rings {
-            let turned = (0..8)
-                .map(|step| DQuat::from_axis_angle(self.up, TAU * f64::from(step) / 8.0) * ring);
-            let most = turned.map(|toward| (seen(toward), toward));
-            let most = most.reduce(|a, b| if b.0 > a.0 { b } else { a });
-            best = most
-                .filter(|most| most.0 as f64 > BETTER * best.0 as f64)
-                .unwrap_or(best);
-        }
-        best.1
-    }
-
-    /// What rays from places in directions tell of what they meet, in bits: the entropy of the pieces of surface whose
-    /// fronts they meet. Backs tell nothing. A piece is what lies in one cell of a grid over the scene and faces one of
-    /// six ways, so that a fine mesh tells no more than a coarse one. P.-P. Vázquez, M. Feixas, M. Sbert, W. Heidrich,
-    /// "Viewpoint Selection using Viewpoint Entropy" (2001), whose pieces are the triangles, without what lies behind
-    /// the scene.
-    pub fn told(&self, rays: impl Iterator<Item = [DVec3; 2]>) -> f64 {
-        let cell = (self.focus.max - self.focus.min).max_element() / CELLS;
-        let hits = rays.filter_map(|[eye, toward]| {
-            let hit = self.first(eye, toward)?;
-            let at = eye + f64::from(hit.t) * toward - self.focus.min;
-            let normal = normal(&self.world.corners(hit.instance, hit.triangle));
-            let axis = normal.abs().max_position();
-            let place = (at / cell).floor().as_i64vec3().to_array();
-            Some((hit.front, (place, axis, normal[axis] > 0.0)))
-        });
-        let hits: Vec<_> = hits.collect();
-        let fronts = hits.iter().filter(|hit| hit.0);
-        let mut fronts: Vec<_> = fronts.map(|hit| hit.1).collect();
-        fronts.sort_unstable();
-        let share = |same: &[_]| same.len() as f64 / hits.len() as f64;
-        let shares = fronts.chunk_by(|a, b| a == b).map(share);
-        shares.map(|share| -share * share.log2()).sum()
-    }
-
-    /// Rays through the picture of a camera.
-    pub fn through(&self, camera: &Camera) -> impl Iterator<Item = [DVec3; 2]> {
-        let [width, height] = camera.size.map(f64::from);
-        (0..ACROSS * ACROSS).map(move |index| {
-            let part = |k: u32| (f64::from(k) + 0.5) / f64::from(ACROSS);
-            let [x, y] = [width * part(index % ACROSS), height * part(index / ACROSS)];
-            [camera.eye, camera.direction(x, y)]
-        })
+        let seen: Vec<f64> = (0..16)
+            .map(|index| self.seen(toward(index)) as f64)
+            .collect();
+        let better = |best: usize, others: &[usize], by: f64| {
+            let others = others.iter().copied();
+            let most = others.reduce(|a, b| if seen[b] > seen[a] { b } else { a });
+            most.filter(|&most| seen[most] > by * seen[best])
+                .unwrap_or(best)
+        };
+        let rings = [0, 8].map(|ring| [0, 1, 2, 3, 4, 5, 6, 7].map(|step| ring + step));
+        let best = rings
+            .iter()
+            .fold(0, |best, ring| better(best, ring, BETTER));
+        let beside = [1, 7].map(|turn| best / 8 * 8 + (best + turn) % 8);
+        toward(better(best, &beside, BESIDE))
     }
 
     /// Places in the scene's box that are in no solid.
@@ -218,37 +204,37 @@ impl<'a> Room<'a> {
         (0..5 * 5 * 5).filter_map(place).collect()
     }
 
-    /// The view from within that shows most; `None` where no place is half open.
-    pub fn within(&self) -> Option<Within> {
+    /// The view from within that shows most, through the lens of a framing; `None` where no place is half open.
+    pub fn within(&self, lens: &Framing) -> Option<Within> {
         let places = self.places();
         let is_closed = is_closed(&places);
         let least = if is_closed { CLOSED } else { HALF_OPEN };
-        // Below land that looks down there is no floor.
-        let has_floor = |eye: DVec3| self.shut(eye, -self.up) >= FLOOR;
         let eyes = places.iter().filter(|place| place.1 >= least);
-        let eyes = eyes.map(|place| place.0).filter(|eye| has_floor(*eye));
-        let through = self.best(eyes, |_, _| true)?;
+        let camera = self.best(eyes.map(|place| place.0), lens, |_| 1)?;
         let closed = places.iter().filter(|place| place.1 >= CLOSED);
-        let closed: Vec<DVec3> = closed.map(|place| place.0).collect();
-        // A place counts by how much of it is roofed: a doll's house without a roof is looked at from above, a cave or
-        // a hall below a skylight is not. Nobody is to look at the outside of rooms, unless that tells far more: then
-        // what is closed are cupboards.
-        let counts = match is_closed {
-            true if self.is_furnished(&closed) => ROOMS,
-            true => 1.0,
-            false => self.shut(through[0], self.up),
-        };
         Some(Within {
-            through,
-            counts,
+            camera,
+            shows: self.shut(camera.eye, self.up) * self.shown(&camera) as f64,
             is_closed,
-            places: closed,
+            places: closed.map(|place| place.0).collect(),
         })
+    }
+
+    /// The closed places, and whether most of the free space is closed.
+    pub fn closed(&self) -> (Vec<DVec3>, bool) {
+        let places = self.places();
+        let closed = places.iter().filter(|place| place.1 >= CLOSED);
+        (closed.map(|place| place.0).collect(), is_closed(&places))
+    }
+
+    /// True where a place is above a floor: below land that looks down there is none.
+    pub fn has_floor(&self, eye: DVec3) -> bool {
+        self.shut(eye, -self.up) >= FLOOR
     }
 
     /// True where at least as many points are seen from closed places as from outside alone. Rooms show what they have
     /// within; the fronts, handles and feet of a piece of furniture are outside.
-    fn is_furnished(&self, closed: &[DVec3]) -> bool {
+    pub fn is_furnished(&self, closed: &[DVec3]) -> bool {
         let is_within = |point: &&Point| closed.iter().any(|eye| self.sees(*eye, point));
         let (within, others): (Vec<_>, Vec<_>) = self.points.iter().partition(is_within);
         let from = |point: &Point, k: u32| point.at + self.far() * spiral(k);
@@ -256,11 +242,13 @@ impl<'a> Room<'a> {
         within.len() >= others.iter().filter(is_outside).count()
     }
 
-    /// The view from within that shows most of what sees the sky; `None` where no half open place does.
-    pub fn within_light(&self) -> Option<[DVec3; 2]> {
+    /// The view from within that shows most where what sees the sky counts for more; `None` where no
+    /// place is half open.
+    pub fn within_light(&self, lens: &Framing) -> Option<Camera> {
         let places = self.places().into_iter();
         let eyes = places.filter(|place| place.1 >= HALF_OPEN);
-        self.best(eyes.map(|place| place.0), |at, hit| self.is_open(at, hit))
+        let counts = |point: &Point| if self.is_open(point) { LIT } else { 1 };
+        self.best(eyes.map(|place| place.0), lens, counts)
     }
 
     /// The share of the directions of a place toward a side that meet fronts.
@@ -270,60 +258,45 @@ impl<'a> Room<'a> {
         toward_side().filter(is_met).count() as f64 / toward_side().count().max(1) as f64
     }
 
-    /// True where some of a few rays over the front of a hit, which lies at a place, meet nothing.
-    fn is_open(&self, at: DVec3, hit: &SurfaceHit) -> bool {
-        let normal = self
-            .world
-            .face(hit.instance, hit.triangle)
-            .normalize_or_zero();
-        let from = at + f64::from(PAST) * self.far() * normal;
+    /// True where some of a few rays over the front of a point meet nothing.
+    fn is_open(&self, point: &Point) -> bool {
+        let (instance, triangle) = point.triangle;
+        let normal = self.world.face(instance, triangle).normalize_or_zero();
+        let from = point.at + f64::from(PAST) * self.far() * normal;
         let over = (0..AROUND).map(spiral).filter(|way| way.dot(normal) > 0.25);
         over.step_by(OPEN)
             .any(|way| self.first(from, way).is_none())
     }
 
-    /// Eye, one of some, and look-at point that show most of what counts; `None` where nothing counts.
+    /// The view from one of some eyes that stand above a floor, in one of twelve directions around, that shows most by
+    /// what each point counts; `None` where none shows anything.
     fn best(
         &self,
         eyes: impl Iterator<Item = DVec3>,
-        counts: impl Fn(DVec3, &SurfaceHit) -> bool,
-    ) -> Option<[DVec3; 2]> {
-        let mut best: Option<(f64, [DVec3; 2])> = None;
-        for eye in eyes {
+        lens: &Framing,
+        counts: impl Fn(&Point) -> usize,
+    ) -> Option<Camera> {
+        let points = self.points.iter().step_by(ASKED);
+        let points: Vec<_> = points.map(|point| (point, counts(point))).collect();
+        let ahead = self.up.any_orthonormal_vector();
+        let mut best = (0, None);
+        for eye in eyes.filter(|eye| self.has_floor(*eye)) {
+            let seen = points.iter().filter(|(point, _)| self.sees(eye, point));
+            let seen: Vec<_> = seen
+                .map(|(point, counts)| (point.at - eye, *counts))
+                .collect();
             for step in 0..12 {
-                let (score, far) = self.depth(eye, TAU * f64::from(step) / 12.0, &counts);
-                if score > best.map_or(0.0, |(most, _)| most) {
-                    best = Some((score, [eye, far]));
+                let turn = DQuat::from_axis_angle(self.up, TAU * f64::from(step) / 12.0);
+                let camera = lens.camera_at([eye, eye + turn * ahead - 0.15 * self.up]);
+                let Ok(camera) = camera else { continue };
+                let shown = seen.iter().filter(|(way, _)| camera.frames(*way));
+                let shown = shown.map(|(_, counts)| counts).sum();
+                if shown > best.0 {
+                    best = (shown, Some(camera));
                 }
             }
         }
-        best.map(|(_, view)| view)
-    }
-
-    /// How much is to be seen in a horizontal direction, and a point to look at there: the mean logarithm of the
-    /// distance of what is met and counts; things close to the eye and backs count nothing.
-    fn depth(
-        &self,
-        eye: DVec3,
-        azimuth: f64,
-        counts: impl Fn(DVec3, &SurfaceHit) -> bool,
-    ) -> (f64, DVec3) {
-        let bounds = self.focus;
-        let near = 0.03 * (bounds.max - bounds.min).length();
-        let ahead = self.up.any_orthonormal_vector();
-        let forward = DQuat::from_axis_angle(self.up, azimuth) * ahead - 0.15 * self.up;
-        let right = forward.cross(self.up).normalize_or(DVec3::X);
-        let mut sum = 0.0;
-        for index in 0..9 * 5 {
-            let [x, y] = [index % 9 - 4, index / 9 - 2].map(f64::from);
-            let toward = forward + right * (0.2 * x) + self.up * (0.2 * y);
-            let hit = self.first(eye, toward).filter(|hit| hit.front);
-            let hit = hit.filter(|hit| counts(eye + f64::from(hit.t) * toward, hit));
-            if let Some(hit) = hit {
-                sum += (f64::from(hit.t) * toward.length() / near).max(1.0).ln();
-            }
-        }
-        (sum, eye + forward)
+        best.1
     }
 }
 

@@ -156,6 +156,73 @@ fn a_shut_wardrobe_is_no_room_and_the_same_boards_around_furniture_are_one() {
 }
 
 #[test]
+fn a_pot_with_two_walls_is_looked_at_from_outside() {
+    const SIDES: u32 = 32;
+    // Radii and heights of the pot and of its lid, and what lies between them.
+    let pot = [0.0, 0.6, 0.95, 1.0, 0.8, 0.75, 0.95, 0.9, 0.57, 0.0];
+    let heights = [0.0, 0.0, 0.4, 0.8, 1.2, 1.2, 0.8, 0.42, 0.05, 0.05];
+    let lid = [0.0, 0.74, 0.74, 0.5, 0.1, 0.15, 0.0];
+    let above = [1.15, 1.15, 1.2, 1.3, 1.35, 1.5, 1.55];
+    let turned = |radii: &[f32], heights: &[f32], gap: f32| {
+        let mut mesh = scene::authored::Mesh::default();
+        for (radius, height) in radii.iter().zip(heights) {
+            mesh.positions.extend((0..SIDES).map(|side| {
+                let (sin, cos) = (std::f32::consts::TAU * side as f32 / SIDES as f32).sin_cos();
+                [radius * cos, height + gap, -radius * sin]
+            }));
+        }
+        let rings = radii.len() as u32 - 1;
+        mesh.triangles = (0..rings * SIDES)
+            .flat_map(|k| {
+                let [a, b] = [k, k / SIDES * SIDES + (k + 1) % SIDES];
+                [[a, b, b + SIDES], [a, b + SIDES, a + SIDES]]
+            })
+            .collect();
+        mesh
+    };
+    for gap in [0.0, 0.02, 0.1] {
+        let bodies = vec![turned(&pot, &heights, 0.0), turned(&lid, &above, gap)];
+        let scene = scene::Scene::from_meshes(bodies, vec![Default::default()]).unwrap();
+        let world = World::new(std::sync::Arc::new(scene), Default::default()).unwrap();
+        let kind = rays::BackendKind::Obvhs(rays::TreeKind::Cwbvh);
+        let backend = rays::build(kind, &world, 1).unwrap();
+        let camera = FRAMING.fitted(&world, backend.as_ref(), &[], false);
+        let camera = camera.unwrap();
+        let bounds = world.bounds();
+        assert_ne!(
+            camera.eye.clamp(bounds.min, bounds.max),
+            camera.eye,
+            "{gap}: {camera:?}"
+        );
+    }
+}
+
+#[test]
+fn a_side_beside_which_more_is_seen_gives_way_to_it() {
+    // Cards toward the usual view, and fewer of which it sees only the backs.
+    let front = Camera::front(DVec3::Y).as_vec3();
+    let ahead = Vec3::new(front.x, 0.0, front.z).normalize();
+    let turn = |degrees: f32| glam::Quat::from_rotation_y(degrees.to_radians()) * ahead;
+    let card = |toward: Vec3, k: u32| {
+        let along = Vec3::Y.cross(toward);
+        let at = 3.0 * toward + along * (k % 4) as f32 + Vec3::Y * (k / 4) as f32;
+        white([at, 0.8 * along, 0.8 * Vec3::Y])
+    };
+    for side in [1.0, -1.0] {
+        let toward_it = (0..16).map(|k| card(ahead, k));
+        let others = (0..3).map(|k| card(turn(125.0 * side), k));
+        let (world, backend) = world(&toward_it.chain(others).collect::<Vec<_>>());
+        let camera = FRAMING.fitted(&world, backend.as_ref(), &[], false);
+        let forward = camera.unwrap().forward.as_vec3();
+        let from = -Vec3::new(forward.x, 0.0, forward.z).normalize();
+        assert!(
+            from.dot(turn(45.0 * side)) > 0.99,
+            "{side}: {from} for {ahead}"
+        );
+    }
+}
+
+#[test]
 fn land_that_looks_down_is_looked_at_from_above() {
     // Four slopes of a wide hill, which look down, and houses on it.
     let [x, z] = [Vec3::X, Vec3::Z].map(|way| way * 8.0);
@@ -328,8 +395,10 @@ fn a_cave_with_land_before_it_is_looked_at_from_inside() {
     let camera = FRAMING
         .fitted(&world, backend.as_ref(), &[], false)
         .unwrap();
-    let is_in = camera.eye.cmpgt(DVec3::ZERO).all() && camera.eye.z < f64::from(end.z);
-    assert!(is_in, "{camera:?}");
+    // From within or from its mouth.
+    let [low, high] = [DVec3::new(0.0, 0.0, -0.5), DVec3::new(8.0, 3.0, 6.0)];
+    assert_eq!(camera.eye.clamp(low, high), camera.eye, "{camera:?}");
+    assert!(camera.forward.z > 0.5, "{camera:?}");
 }
 
 #[test]
