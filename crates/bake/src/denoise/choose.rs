@@ -18,7 +18,7 @@ use super::surface::Surface;
 /// has about the variance of the linear one of half the stride, and less bias.
 const FITS: [(usize, [bool; 2]); 5] = [
     (2, [true, false]),
-    (4, [true, false]),
+    (4, [true, true]),
     (8, [true, true]),
     (16, [true, false]),
     (32, [false, true]),
