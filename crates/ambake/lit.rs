@@ -38,7 +38,7 @@ const RAYS: u32 = 16;
 pub(crate) struct LitScene {
     /// Found with the first page: from the view that fits the scene, and where that is within it from others there and
     /// outside that may be brighter.
-    lit: Vec<Lit>,
+    lit: Vec<(Camera, Lit)>,
     backdrop: DVec3,
     /// How much a picture is brightened at most.
     most_stops: f64,
@@ -61,16 +61,16 @@ impl LitScene {
             let mut planes = values.chunks_exact(page.texels());
             let red = planes.next().unwrap_or_default();
             let [green, blue] = [0, 1].map(|_| planes.next().unwrap_or(red));
-            for lit in &mut self.lit {
+            for (_, lit) in &mut self.lit {
                 lit.add(page.page, page.size, [red, green, blue]);
             }
         }
         self.seconds += clock.elapsed().as_secs_f64();
     }
 
-    /// The picture as a PNG file; `None` where no layer can light it. Where less than half of the first is bright it is
+    /// The picture as a PNG file, and its camera; `None` where no layer can light it. Where less than half of the first is bright it is
     /// that from within of which most is, and that from outside, the last one, where all those are black.
-    pub fn picture(&mut self) -> Option<Vec<u8>> {
+    pub fn picture(&mut self) -> Option<(Vec<u8>, Camera)> {
         let clock = Instant::now();
         let bright = |(picture, alpha): &(Image, Vec<f32>)| {
             let surfaces = picture.pixels.iter().zip(alpha);
@@ -80,14 +80,15 @@ impl LitScene {
                 .filter(|(p, _)| Vec3::from(**p).max_element() > BLACK);
             bright.count() as f64 / surfaces.count().max(1) as f64
         };
-        let (first, others) = self.lit.split_first()?;
+        let ((mut camera, first), others) =
+            self.lit.split_first().map(|(a, b)| ((a.0, &a.1), b))?;
         let mut chosen = self.developed(first);
         let mut share = bright(&chosen);
-        for (left, lit) in (0..others.len()).rev().zip(others) {
+        for (left, (other_camera, lit)) in (0..others.len()).rev().zip(others) {
             let least = if left == 0 { SHOWN } else { HALF };
             let other = (share < least).then(|| self.developed(lit));
             if let Some(other) = other.filter(|other| bright(other) > share) {
-                (share, chosen) = (bright(&other), other);
+                (share, chosen, camera) = (bright(&other), other, *other_camera);
             }
         }
         let (mut picture, alpha) = chosen;
@@ -97,7 +98,7 @@ impl LitScene {
         }
         let png = report::picture_png(picture.width, &picture.pixels);
         self.seconds += clock.elapsed().as_secs_f64();
-        Some(png)
+        Some((png, camera))
     }
 
     /// What is seen, exposed, before black, and the share of surfaces of each pixel.
@@ -128,7 +129,7 @@ fn most_stops(options: &Options) -> f64 {
 
 /// What the fitted camera sees, and where it stands within the scene what brighter ones do; `None` where the scene has
 /// no extent to look at.
-fn look(job: &Job) -> Option<Vec<Lit>> {
+fn look(job: &Job) -> Option<Vec<(Camera, Lit)>> {
     let (world, options) = (job.world(), job.options());
     let (surfaces, lamps) = (Surfaces::new(world), Lamps::of(world));
     let direct = Direct {
@@ -152,7 +153,10 @@ fn look(job: &Job) -> Option<Vec<Lit>> {
     let around = surrounding(world, job.backend(), framing.up);
     let fitted = framing.fitted(world, job.backend(), &around, false).ok()?;
     let edge = job.atlas().page_size;
-    let look = |camera| Lit::look(&direct, camera, grid, &(), edge, |hit| place(job, hit)).ok();
+    let look = |camera: &Camera| {
+        let lit = Lit::look(&direct, camera, grid, &(), edge, |hit| place(job, hit)).ok()?;
+        Some((*camera, lit))
+    };
     let mut lit = vec![look(&fitted)?];
     let bounds = world.bounds();
     if fitted.eye.clamp(bounds.min, bounds.max) == fitted.eye {

@@ -33,8 +33,8 @@ use record::{
     seam_report,
 };
 use report::{
-    BakeReport, LightmapReport, Output, PageHeader, PageReport, PhaseReport, ScenePictures,
-    UpdateReport,
+    BakeReport, LightmapReport, Output, PageHeader, PageReport, PhaseReport, PictureReport,
+    ScenePictures, UpdateReport,
 };
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -237,8 +237,15 @@ impl<'a> Writer<'a> {
             seconds: clock.elapsed().as_secs_f64(),
             ..PhaseReport::default()
         });
-        if let Some(picture) = self.lit.picture() {
-            self.output.stage_bytes(&lit_name(&self.stem), &picture)?;
+        let mut picture = None;
+        if let Some((png, camera)) = self.lit.picture() {
+            self.output.stage_bytes(&lit_name(&self.stem), &png)?;
+            picture = Some(PictureReport {
+                eye: (camera.eye + self.job.world().origin()).into(),
+                forward: camera.forward.into(),
+                fov_deg: 2.0 * camera.slope.atan().to_degrees(),
+                aspect: f64::from(camera.size[0]) / f64::from(camera.size[1]),
+            });
         }
         phases.push(PhaseReport {
             phase: "lit".into(),
@@ -257,6 +264,7 @@ impl<'a> Writer<'a> {
         if let Some(backend) = self.backend {
             report.versions.backend_version = backend;
         }
+        report.picture = picture;
         report.update = update;
         let texels = report.pages.iter().map(|page| page.texels).sum();
         report.seams = seam_report(&self.seams, texels);

@@ -149,6 +149,7 @@ pub(super) fn report_of(
         pages,
         seams: None,
         bounces: None,
+        picture: None,
         update: None,
         any_view: None,
         objects: report::object_reports(scene, job.atlas()),

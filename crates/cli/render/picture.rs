@@ -6,11 +6,12 @@ use super::{balls, file, options};
 use crate::outcome::{Outcome, say, say_json};
 use crate::progress::watch;
 use crate::stop::Stop;
-use ::render::{Error, Lamps, Lightmap, Model, Sample, alpha, backdrop, picture};
+use ::render::{Camera, Error, Framing, Lamps, Lightmap, Model, Sample, alpha, backdrop, picture};
 use ambake::{Sky, surrounding};
 use anyhow::Context;
 use glam::DVec3;
 use rays::{RayBackend, Surfaces, World};
+use report::BakeReport;
 use serde_json::{Value, json};
 use std::path::Path;
 use std::time::Instant;
@@ -29,10 +30,13 @@ pub fn draw(
     // From a bake and without a view of one's own, the picture is that of STEM.lit.png.
     let fitted = lightmap.is_some() && args.view.eye.is_none();
     let camera = match fitted {
-        true => {
-            let around = surrounding(world, backend, framing.up);
-            framing.fitted(world, backend, &around, args.view.fov_deg.is_some())?
-        }
+        true => match baked_camera(args, &framing, world) {
+            Some(camera) => camera,
+            None => {
+                let around = surrounding(world, backend, framing.up);
+                framing.fitted(world, backend, &around, args.view.fov_deg.is_some())?
+            }
+        },
         false => framing.camera(world)?,
     };
     let surfaces = Surfaces::new(world);
@@ -141,14 +145,41 @@ pub fn draw(
     Ok(Outcome::Done)
 }
 
+/// What a bake of the scene says of itself.
+fn baked_report(dir: &Path, scene: &Path) -> Result<BakeReport, report::Error> {
+    let stem = scene.file_stem().unwrap_or_default().to_string_lossy();
+    let own = report::read_record(dir, &stem);
+    own.map_or_else(
+        || report::read_bake_report(&dir.join(report::REPORT_FILE)),
+        Ok,
+    )
+}
+
+/// The camera of the picture that a bake made, which shows no less in a picture of other proportions; `None` where it
+/// made none.
+fn baked_camera(args: &Args, framing: &Framing, world: &World) -> Option<Camera> {
+    let view = baked_report(args.bake.as_deref()?, &args.scene)
+        .ok()?
+        .picture?;
+    let [width, height] = framing.size.map(f64::from);
+    let slope = (view.fov_deg.to_radians() / 2.0).tan() * (view.aspect * height / width).max(1.0);
+    let framing = Framing {
+        fov: match args.view.fov_deg {
+            Some(_) => framing.fov,
+            None => 2.0 * slope.atan(),
+        },
+        ..*framing
+    };
+    let eye = DVec3::from(view.eye) - world.origin();
+    framing
+        .camera_at([eye, eye + DVec3::from(view.forward)])
+        .ok()
+}
+
 /// The mean radiance of the sky that a bake of the scene was lit by.
 fn baked_sky(dir: &Path, scene: &Path) -> anyhow::Result<Sky> {
     let path = dir.join(report::REPORT_FILE);
-    let stem = scene.file_stem().unwrap_or_default().to_string_lossy();
-    let own = report::read_record(dir, &stem);
-    let options = own
-        .map_or_else(|| report::read_bake_report(&path), Ok)?
-        .options;
+    let options = baked_report(dir, scene)?.options;
     let sky = options.get("sky").unwrap_or(&Value::Null);
     let mean = sky.get("mean").unwrap_or(sky);
     let mean: Option<[f32; 3]> = serde_json::from_value(mean.clone()).ok();

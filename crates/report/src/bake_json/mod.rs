@@ -50,6 +50,9 @@ pub struct BakeReport {
     /// What layers for any view hold; absent where none was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub any_view: Option<AnyViewReport>,
+    /// Whence `STEM.lit.png` is taken; absent where there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub picture: Option<PictureReport>,
     /// One entry for each object; the `object` layer holds its index.
     pub objects: Vec<ObjectReport>,
     /// Wall time by phase, in the order they ran.
@@ -76,6 +79,19 @@ pub struct BakeReport {
     /// Blake3 of each of them as it was written, in hex. Those of reports lack: they would have to hold their own.
     #[serde(default)]
     pub hashes: BTreeMap<String, String>,
+}
+
+/// Whence the picture of a bake is taken.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct PictureReport {
+    /// The pinhole, in coordinates of the scene file.
+    pub eye: [f64; 3],
+    /// Unit vector into the picture.
+    pub forward: [f64; 3],
+    /// Vertical field of view in degrees.
+    pub fov_deg: f64,
+    /// Width over height.
+    pub aspect: f64,
 }
 
 /// What `bake.json` says of layers for any view.

@@ -39,6 +39,12 @@ pub(crate) fn report() -> BakeReport {
         }],
         seams: Some(SeamReport::default()),
         bounces: Some(BounceReport::default()),
+        picture: Some(PictureReport {
+            eye: [1.5, 2.0, -3.0],
+            forward: [0.0, 0.0, 1.0],
+            fov_deg: 65.0,
+            aspect: 1.5,
+        }),
         update: Some(UpdateReport::default()),
         any_view: Some(AnyViewReport::default()),
         objects: vec![ObjectReport::default()],
