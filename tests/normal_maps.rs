@@ -142,8 +142,8 @@ fn a_texel_has_the_mean_normal_of_the_relief_within_it() {
         let most = leans.iter().fold(0.0f32, |most, x| most.max(x.abs()));
         [most, squares.sqrt()]
     };
-    // sin 30 degrees where a texel lies on one side of a ridge. Where it holds many, sixteen places that know nothing of
-    // each other leave a quarter of that.
+    // sin 30 degrees where a texel lies on one side of a ridge. Where it holds many, sixteen places that know nothing
+    // of each other leave a quarter of that.
     let ([one, _], [_, many]) = (lean(1.0), lean(640.0));
     assert!((one - 0.5).abs() < 0.005, "{one}");
     assert!(many < 0.125, "{many}");

@@ -156,7 +156,7 @@ impl<'a> Choice<'a> {
             #[inline(always)]
             |first, [state, near, far, plain]| {
                 let mut room = Room::new(width);
-                let mut mean = Mean::of(leading);
+                let mut mean = Mean(leading, Vec::new());
                 let mut weights = vec![0.0; width];
                 let states = state.chunks_exact_mut((VALUES + channels) * width);
                 for (row, state) in states.enumerate() {
@@ -200,12 +200,14 @@ impl<'a> Choice<'a> {
     /// Tries a fit that follows the one `before`.
     fn try_fit(&mut self, stride: usize, before: &Sheet, now: &Sheet) {
         let [width, height] = self.surface.size();
-        let (data, channels) = (&self.surface.data, self.channels);
-        let leading = self.surface.leading;
+        let &Surface {
+            ref data, leading, ..
+        } = self.surface;
+        let channels = self.channels;
         let (unit, share) = (self.unit, self.share);
         let half = channels;
         let all_fitted = self.pair.fill(|y, [squares, moves]| {
-            let mut means = [leading; 2].map(Mean::of);
+            let mut means = [0; 2].map(|_| Mean(leading, Vec::new()));
             let [now_mean, before_mean] = means.each_mut();
             let (m, before_m) = (now_mean.row(now, y), before_mean.row(before, y));
             let (h, before_h) = (now.row(half, y), before.row(half, y));
@@ -229,7 +231,7 @@ impl<'a> Choice<'a> {
             #[inline(always)]
             |first, [state]| {
                 let mut room = Room::new(width);
-                let mut means = [leading; 2].map(Mean::of);
+                let mut means = [0; 2].map(|_| Mean(leading, Vec::new()));
                 let mut lines = vec![0.0; 4 * width];
                 let Planes([squares, moves, risks, own], _) = planes(&mut lines, width);
                 let states = state.chunks_exact_mut((VALUES + channels) * width);
@@ -272,21 +274,18 @@ impl<'a> Choice<'a> {
     /// neighbours pool theirs, as those of plain values are.
     fn end(mut self) -> Chosen {
         let size @ [width, height] = self.surface.size();
-        let (mask, data, channels) = (&self.surface.mask, &self.surface.data, self.channels);
-        let leading = self.surface.leading;
+        let (surface, channels) = (self.surface, self.channels);
+        let (mask, data, leading) = (&surface.mask, &surface.data, surface.leading);
         let state = &self.state;
         self.pair.fill(|y, [variances, biases]| {
-            let mut mean = Mean::of(leading);
+            let mut mean = Mean(leading, Vec::new());
             let mean = mean.row(data, y);
             let (mask, weights) = (mask.row(0, y), state.row(WEIGHTS, y));
             let (own, halves) = (state.row(VARIANCES, y), state.row(HALVES, y));
             let halves_before = data.row(channels, y);
-            let value = |x: usize| match leading {
-                1 => state.row(VALUES, y)[x],
-                _ => {
-                    let sum: f32 = (0..leading).map(|c| state.row(VALUES + c, y)[x]).sum();
-                    sum / leading as f32
-                }
+            let value = |x: usize| {
+                let sum: f32 = (0..leading).map(|c| state.row(VALUES + c, y)[x]).sum();
+                sum / leading as f32
             };
             for x in 0..width {
                 let share = if mask[x] > 0.0 { 1.0 / weights[x] } else { 0.0 };
@@ -395,29 +394,21 @@ fn add(sums: &mut [f32], weights: &[f32], numbers: &[f32]) {
 }
 
 /// The mean of the leading channels along a row; it needs no room where there is one.
-struct Mean {
-    leading: usize,
-    room: Vec<f32>,
-}
+struct Mean(usize, Vec<f32>);
 
 impl Mean {
-    fn of(leading: usize) -> Self {
-        let room = Vec::new();
-        Self { leading, room }
-    }
-
     #[inline(always)]
     fn row<'b>(&'b mut self, sheet: &'b Sheet, y: usize) -> &'b [f32] {
-        let leading = self.leading;
-        if leading == 1 {
+        let Self(leading, room) = self;
+        if *leading == 1 {
             return sheet.row(0, y);
         }
-        self.room.clear();
-        self.room.extend((0..sheet.width).map(|x| {
-            let sum: f32 = (0..leading).map(|channel| sheet.row(channel, y)[x]).sum();
-            sum / leading as f32
+        room.clear();
+        room.extend((0..sheet.width).map(|x| {
+            let sum: f32 = (0..*leading).map(|channel| sheet.row(channel, y)[x]).sum();
+            sum / *leading as f32
         }));
-        &self.room
+        room
     }
 }
 

@@ -104,8 +104,8 @@ impl Framing {
 }
 
 /// Places in a scene from which people look, where most of the free space in its box is closed and tells more than what
-/// is seen from outside; none elsewhere. What is baked depends on it, so that a scene is one of rooms by how many parts
-/// of it are looked at from within, and not by how fine these are: a plane over wires in a duct is no outside of a room.
+/// is seen from outside; none elsewhere. What is baked depends on it, so a scene is one of rooms by how many parts of it
+/// are looked at from within, and not by how fine these are: a plane over wires in a duct is no outside of a room.
 pub fn places_within(world: &World, backend: &dyn RayBackend) -> Vec<DVec3> {
     let framing = Framing::default();
     let room = Room::of(world, backend, &[], framing.up);
