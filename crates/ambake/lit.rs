@@ -68,8 +68,9 @@ impl LitScene {
         self.seconds += clock.elapsed().as_secs_f64();
     }
 
-    /// The picture as a PNG file, and its camera; `None` where no layer can light it. Where less than half of the first is bright it is
-    /// that from within of which most is, and that from outside, the last one, where all those are black.
+    /// The picture as a PNG file, and its camera; `None` where no layer can light it. Where less than half of the first
+    /// is bright it is that from within of which most is, and that from outside, the last one, where all those are
+    /// black.
     pub fn picture(&mut self) -> Option<(Vec<u8>, Camera)> {
         let clock = Instant::now();
         let bright = |(picture, alpha): &(Image, Vec<f32>)| {

@@ -30,13 +30,8 @@ fn what_nobody_sees_of_a_file_s_charts_takes_nothing_from_the_rest() {
         vec![crowded_cube(); 3],
         &[(0, 0, places[0]), (1, 1, places[1]), (2, 2, places[2])],
     );
-    let atlas = layout_seen(
-        &alone,
-        &options(UvMode::Auto, 512, None),
-        Some(&is_seen),
-        &(),
-    );
-    let atlas = atlas.unwrap();
+    let options = options(UvMode::Auto, 512, None);
+    let atlas = layout_seen(&alone, &options, Some(&is_seen), &()).unwrap();
     assert_eq!(atlas.source, UvSource::Apart { set: 0 });
     assert_clean(&atlas);
     assert!(atlas.meshes[1].hidden.contains(&true));
@@ -50,13 +45,7 @@ fn what_nobody_sees_of_a_file_s_charts_takes_nothing_from_the_rest() {
         &[(0, 0, places[0]), (0, 1, places[1])],
     );
     let is_seen = |points: &[SurfacePoint]| ![4, 5, 8, 9].contains(&points[0].triangle);
-    let atlas = layout_seen(
-        &copies,
-        &options(UvMode::Auto, 512, None),
-        Some(&is_seen),
-        &(),
-    );
-    let atlas = atlas.unwrap();
+    let atlas = layout_seen(&copies, &options, Some(&is_seen), &()).unwrap();
     assert_clean(&atlas);
     let times = apart(&copies, &atlas);
     assert!(times <= 1.001, "{times} times apart as copies");

@@ -11,7 +11,6 @@ use crate::integrate::Terms;
 use crate::mend::Mends;
 use glam::Vec3;
 use layers::Layer;
-use rayon::prelude::*;
 
 /// The layers with what two halves of the rays differ by in them.
 pub(super) const LAYERS: [(Layer, Layer); 2] =
@@ -45,14 +44,9 @@ pub(super) fn of(page: &BakedPage) -> Vec<(Layer, Layer)> {
 
 /// Mends texels that are buried, wholly or in part.
 pub(super) fn mend(page: &mut BakedPage, mends: &Mends) {
-    let texels = page.texels();
     for (layer, half) in of(page) {
-        for (layer, least) in [(layer, 0.0), (half, f64::MIN)] {
-            if page.layer(layer).is_some() {
-                let planes = page.planes_of(layer).par_chunks_mut(texels);
-                planes.for_each(|plane| drop(mends.apply(plane, least, f64::MAX)));
-            }
-        }
+        page.mend(layer, mends, [0.0, f64::MAX]);
+        page.mend(half, mends, [f64::MIN, f64::MAX]);
     }
 }
 

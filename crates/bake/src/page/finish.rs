@@ -150,17 +150,10 @@ fn mend_terms(page: &mut BakedPage, terms: &[TermLayers]) {
     let mends = Mends::of(&surface(page));
     let texels = page.texels();
     for term in terms {
-        let &TermLayers {
-            value,
-            std_err,
-            half,
-            rider,
-            ..
-        } = term;
-        let most = if is_light(value) { f64::MAX } else { 1.0 };
+        let most = if is_light(term.value) { f64::MAX } else { 1.0 };
         // The span of a term of several channels is the largest of theirs.
         let mut spans: Vec<f64> = Vec::new();
-        for plane in page.planes_of(value).chunks_mut(texels) {
+        for plane in page.planes_of(term.value).chunks_mut(texels) {
             let own = mends.apply(plane, 0.0, most);
             spans.resize(own.len(), 0.0);
             spans
@@ -168,23 +161,16 @@ fn mend_terms(page: &mut BakedPage, terms: &[TermLayers]) {
                 .zip(own)
                 .for_each(|(span, own)| *span = span.max(own));
         }
-        if let Some(rider) = rider {
-            let planes = page.planes_of(rider).par_chunks_mut(texels);
-            planes.for_each(|plane| drop(mends.apply(plane, 0.0, most)));
+        if page.layer(term.std_err).is_some() {
+            mends.apply_to_errors(page.planes_of(term.std_err), &spans);
         }
-        if page.layer(std_err).is_some() {
-            mends.apply_to_errors(page.planes_of(std_err), &spans);
+        if let Some(rider) = term.rider {
+            page.mend(rider, &mends, [0.0, most]);
         }
-        if page.layer(half).is_some() {
-            let halves = page.planes_of(half).par_chunks_mut(texels);
-            halves.for_each(|plane| drop(mends.apply(plane, f64::MIN, f64::MAX)));
-        }
+        page.mend(term.half, &mends, [f64::MIN, f64::MAX]);
     }
     for layer in [Layer::AnyView, Layer::AnyView4, Layer::AnyView8] {
-        if page.layer(layer).is_some() {
-            let harmonics = page.planes_of(layer).par_chunks_mut(texels);
-            harmonics.for_each(|plane| drop(mends.apply(plane, f64::MIN, f64::MAX)));
-        }
+        page.mend(layer, &mends, [f64::MIN, f64::MAX]);
     }
     directional::mend(page, &mends);
 }
@@ -297,8 +283,7 @@ fn denoise_by(
             first += value.channels().len();
             if let Some(unseen) = unseen {
                 let most = if is_light(value) { f64::MAX } else { 1.0 };
-                let planes = values.par_chunks_mut(texels);
-                planes.for_each(|plane| drop(unseen.apply(plane, 0.0, most)));
+                page.mend(value, unseen, [0.0, most]);
             }
         }
         let errors = page.planes_of(std_err);

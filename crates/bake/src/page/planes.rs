@@ -2,8 +2,10 @@
 
 use super::stats::PageStats;
 use super::tile::{BakedTile, Columns};
+use crate::mend::Mends;
 use atlas::TILE;
 use layers::Layer;
+use rayon::prelude::*;
 
 /// All values of one layer over a page.
 #[derive(Debug, Clone, PartialEq)]
@@ -156,6 +158,15 @@ impl BakedPage {
         let found = self.planes.iter_mut().find(|planes| planes.layer == layer);
         let missing = || panic!("the page has no layer {}", layer.name());
         found.map_or_else(missing, |planes| &mut planes.values)
+    }
+
+    /// Mends a layer, where the page has it, by values between two.
+    pub(super) fn mend(&mut self, layer: Layer, mends: &Mends, [least, most]: [f64; 2]) {
+        if self.layer(layer).is_some() {
+            let texels = self.texels();
+            let planes = self.planes_of(layer).par_chunks_mut(texels);
+            planes.for_each(|plane| drop(mends.apply(plane, least, most)));
+        }
     }
 }
 
